@@ -136,6 +136,80 @@ def test_a_start_whose_variable_is_called_otherwise_is_found_in_any_log(tmp_path
     assert channels(tmp_path / "set")[1]["state"] == [{"start": "lag.x_0", "shows": "lag.y"}], said
 
 
+def unit(folder, name, states, parameters, equations, outputs, starts, rows=300, interval=0.1):
+    """A unit with an input u, and a log of it that begins at `starts`. States are (name, start, its value), parameters (name, value, low, high)."""
+    spread = [State(state, "1", start, value, 0.0) for state, start, value in states]
+    values = [Parameter(of, "1", value, low, high, "relative", of, 0.5) for of, value, low, high in parameters]
+    machine = dataclasses.replace(
+        ALL["sled"], name=name, late="", saves_state=True, states=tuple(spread), inputs=(Input("u", "1", 0.0, 1.0, "1"),),
+        outputs_of=(Output("y", "1", 1e-3, "1"),), parameters=tuple(values),
+        build=lambda machine, folder: build(machine, folder, equations, outputs, step=interval / 10),
+    )  # fmt: skip
+    names = {one: one for one in ["u", "y", *(of for of, *_ in parameters)]}
+    python = {part: compile(part.replace("; ", "\n"), name, "exec") for part in (equations, outputs)}
+    given = {of: value for of, value, *_ in parameters}
+
+    def slopes(x, u):
+        slope = np.zeros(len(x))
+        exec(python[equations], names | {"v": given | {"u": u}, "x": x, "dx": slope, "fmax": max})
+        return slope
+
+    x, lines, step = np.array(starts, float), ["time,u,y"], interval / 10
+    for row in range(rows):
+        u = float(np.sign(np.sin(0.7 * row * interval)))
+        shown = given | {"u": u}
+        exec(python[outputs], names | {"v": shown, "x": x})
+        lines.append(f"{row * interval},{u},{shown['y']}")
+        for _ in range(10):
+            x = x + step * slopes(x + 0.5 * step * slopes(x, u), u)
+    (folder / "a.csv").write_text("\n".join(lines) + "\n")
+    return machine.build(machine, folder)
+
+
+# a wall that holds its heat far longer than the log, at rest where the unit starts; a second tank; a rest that dies out, and is 0 where the unit starts
+WALL = "dx[0] = v[u] - 0.3 * x[0] + v[G] * (x[1] - x[0]); dx[1] = v[G] * (x[0] - x[1]) / v[C]"
+AT_REST = {
+    "wall": ([("air", "y", 0.0), ("wall", "T_wall_start", 0.0)], [("G", 0.3, 0.01, 3.0), ("C", 900.0, 1.0, 9e4)], WALL, "v[y] = x[0]", [0.0, 5.0]),
+    "rest": ([("air", "y", 0.0), ("left", "x2_0", 0.0)], [("G", 0.3, 0.01, 3.0), ("C", 9.0, 1.0, 9e4)],
+             "dx[0] = v[u] - 0.3 * x[0] + v[G] * x[1]; dx[1] = -x[1] / v[C]", "v[y] = x[0]", [0.0, 5.0]),
+    "row": ([("one", "y", 1.0), ("two", "two_0", 1.0), ("three", "three_0", 1.0)], [("G", 0.3, 0.01, 3.0), ("T_0", 4.0, 0.1, 40.0)],
+            "dx[0] = v[u] - 0.3 * x[0] + v[G] * (x[1] - x[0]); dx[1] = v[G] * (x[0] + x[2] - 2 * x[1]); dx[2] = (x[1] - x[2]) / v[T_0]",
+            "v[y] = x[0]", [1.0, 2.0, 0.5]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", AT_REST)
+def test_a_start_of_a_state_that_rests_or_hardly_moves_is_no_constant(tmp_path, name):
+    states, parameters, equations, outputs, starts = AT_REST[name]
+    fmu = unit(tmp_path, name, states, parameters, equations + ";", outputs + ";", starts)
+    said = run("import", tmp_path / "a.csv", "--fmu", fmu, "--out", tmp_path / "set")
+    _, head = channels(tmp_path / "set")
+    wanted = [{"start": f"{name}.y", "shows": f"{name}.y"}, *({"start": f"{name}.{start}"} for _, start, _ in states[1:])]
+    assert head["state"] == wanted, said
+    # what acts once the state is elsewhere is no idle parameter, and a constant that is called like a start is no state
+    assert [one["variable"] for one in head["candidate"]] == [f"{name}.{of}" for of, *_ in parameters], said
+
+
+def test_a_start_that_no_name_tells_is_found_by_trial(tmp_path):
+    states = [("one", "h_begin", 1.0), ("two", "depth", 1.0)]
+    parameters = [("G", 0.3, 0.01, 3.0), ("C", 4.0, 0.1, 40.0)]
+    fmu = unit(tmp_path, "tanks", states, parameters, WALL + ";", "v[y] = x[0];", [0.5, 2.0])
+    said = run("import", tmp_path / "a.csv", "--fmu", fmu, "--out", tmp_path / "set")
+    _, head = channels(tmp_path / "set")
+    assert head["state"] == [{"start": "tanks.h_begin", "shows": "tanks.y"}, {"start": "tanks.depth"}], said
+    assert [one["variable"] for one in head["candidate"]] == ["tanks.G", "tanks.C"]
+
+
+def test_what_acts_only_beside_another_or_far_off_is_not_idle(tmp_path):
+    # a stop that is not there, an inhibition that begins at 1e9; and what nothing reads
+    parameters = [("d", 0.5, 0.05, 5.0), ("k_st", 0.0, 0.0, 100.0), ("x_st", 2.0, 0.0, 50.0), ("K_i", 1e9, 1e-3, 1e9), ("plot", 3.0, 0.0, 1e9)]
+    equations = "dx[0] = v[u] - v[d] * x[0] / (1 + x[0] * x[0] / v[K_i]) - v[k_st] * fmax(0.0, x[0] - v[x_st]);"
+    fmu = unit(tmp_path, "stop", [("x", "y", 0.0)], parameters, equations, "v[y] = x[0];", [0.0])
+    said = run("import", tmp_path / "a.csv", "--fmu", fmu, "--out", tmp_path / "set")
+    assert [one["variable"] for one in channels(tmp_path / "set")[1]["candidate"]] == [f"stop.{of}" for of in ("d", "k_st", "x_st", "K_i")], said
+    assert '# variable = "stop.plot"' in (tmp_path / "set" / "dataset.toml").read_text()
+
+
 def test_what_is_computed_of_a_state_does_not_show_it(tmp_path):
     # a tachometer behind a gear of 1: with another gear it shows another speed, and the state is as it was
     machine = dataclasses.replace(
@@ -205,6 +279,22 @@ def test_signs_units_and_time(motor, tmp_path):
     assert "# guess: sign turned, by trial" in text and "# guess: in rpm, by trial" in text and "semicolons" in text
     assert "1 gap(s) in time" in said
     assert {entry["variable"] for entry in head["candidate"]} >= {"motor.b", "motor.R", "motor.fc"}
+
+
+def test_units_as_people_write_them(motor, tmp_path):
+    sled = ALL["sled"]
+    heads = {"force": ("force [N]", 1, 0), "z": ("z [m]", 1, 0), "w": ("w [m/sec]", 1, 0), "acceleration": ("acc [g]", 9.80665, 0)}
+    said = run("import", log(tmp_path / "a.csv", sled, heads), "--fmu", sled.build(sled, tmp_path), "--out", tmp_path / "set")
+    found, _ = channels(tmp_path / "set")
+    assert found["sled.acceleration"]["unit"] == "g" and "sled.acceleration: sign and size fit" in said, said
+    heads = {"u": ("u [V]", 1, 0), "i": ("i [A]", 1, 0), "w": ("w [°/s]", np.pi / 180, 0), "phi": ("phi [deg]", 1, 0)}
+    said = run("import", log(tmp_path / "b.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "angles")
+    found, _ = channels(tmp_path / "angles")
+    assert found["motor.w"]["unit"] == "°/s"
+    # radians under a header that says degrees: told, and kept as written
+    assert found["motor.phi"]["unit"] == "deg" and 'its header says deg, and its numbers are what the model says in rad' in said, said
+    refused = run("diagnose", tmp_path / "angles", "--out", tmp_path / "out", status=2)
+    assert "phi" in refused and 'unit = "rad"' in refused and "°" not in refused, refused
 
 
 def test_a_turned_input_is_the_input(motor, tmp_path):

@@ -9,22 +9,43 @@ use super::interval::Along;
 use super::linearise::Engine;
 use super::policy::DYNAMICS;
 use super::schedule::Schedule;
-use super::stretch::Glance;
+use super::stretch::{Glance, Left};
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
 use crate::statistics::levels::{FEW, SAMPLE};
 use nalgebra::DVector;
 
-/// Stretches that are begun anew in what the model itself does; the search for their states ends long before when it finds them.
-const GLANCE: Glance = Glance { stretches: FEW, rows: SAMPLE, rounds: SAMPLE };
+/// Stretches that are begun anew in what the model itself does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stretches {
+    /// A few short ones: a model that bends far is followed through them.
+    Few,
+    /// Half of the run each: what resembles a state for a while does not for so long.
+    Long,
+}
+
+impl Stretches {
+    /// In a run of so many rows. The search for their states ends long before so many rounds when it finds them.
+    fn glance(self, rows: usize) -> Glance {
+        let rows = if self == Self::Few { SAMPLE } else { rows.div_ceil(2).max(SAMPLE) };
+        Glance { stretches: FEW, rows, rounds: SAMPLE }
+    }
+}
 
 impl Engine {
-    /// Whether these states are all that the model remembers, some of which no variable shows: what it does in the longest run, simulated
-    /// through, it does again in stretches that begin anew in some such states.
-    pub fn begins_by_its_states(mut self) -> bool {
-        self.replayed().and_then(|()| self.follow_stretches(&GLANCE)).is_some_and(|left| {
-            left.iter().all(|channel| channel.error <= DYNAMICS.apart * DYNAMICS.apart * channel.motion)
-        })
+    /// How much the model misses, as a share of the motion, of what it does by itself in the longest run, where it begins anew in stretches of
+    /// it from the states that fit best: little where these are all that it remembers. The most of all channels; nothing where it can't be
+    /// followed.
+    pub fn missed_begun_anew(mut self, stretches: Stretches) -> Option<f64> {
+        self.replayed()?;
+        let left = self.follow_stretches(&stretches.glance(self.grids[0].time.len()))?;
+        // what is no number is missed
+        let share = |channel: &Left| match (channel.error / channel.motion).sqrt() {
+            _ if channel.error == 0.0 => 0.0,
+            share if share.is_nan() => f64::INFINITY,
+            share => share,
+        };
+        Some(left.iter().map(share).fold(0.0, f64::max))
     }
 
     /// Puts what the nominal model does in the longest run in the place of all logs.

@@ -41,7 +41,7 @@ mod lag_begin;
 pub mod linearise;
 mod linearise_for_fit;
 pub mod machine;
-mod memory;
+pub mod memory;
 mod outliers;
 mod parameter_steps;
 mod policy;

@@ -25,6 +25,10 @@ pub(super) fn match_columns(
         let head = &sheet.columns[column];
         let si = as_si(head, &description.variables[place]);
         let mut evidence = vec![why];
+        if let Some(told) = either(head, &description.variables[place]) {
+            notices.push(format!("column {:?}: {told}", head.text));
+            evidence.push(told);
+        }
         evidence.extend(si.map(|_| "the description gives it no unit: converted to SI".to_owned()));
         matches.push(Match {
             variable: place,
@@ -89,9 +93,21 @@ fn no_output(fmu: &Fmu, sheet: &Sheet, time: usize) -> Error {
     Error::Manifest { path: sheet.path.clone(), line: 1, problem }
 }
 
-/// The way to SI for a variable whose description names no unit.
+/// What to say of a unit that means one thing or another, of a variable whose description names none.
+fn either(head: &Header, variable: &Variable) -> Option<String> {
+    let unit = head.unit.as_deref()?;
+    let (one, other) = (measure::named(unit)?, measure::otherwise_named(unit)?);
+    let told = format!(
+        "{unit} is {} kg or {} m/s2, and the description gives {} no unit: numbers are taken as they are; write scale = {} or scale = {}",
+        one.factor, other.factor, variable.name, one.factor, other.factor
+    );
+    variable.unit.is_none().then_some(told)
+}
+
+/// The way to SI for a variable whose description names no unit; nothing where the unit may mean one thing or another.
 fn as_si(head: &Header, variable: &Variable) -> Option<Affine> {
-    let base = measure::named(head.unit.as_deref()?)?;
+    let unit = head.unit.as_deref()?;
+    let base = measure::named(unit).filter(|_| measure::otherwise_named(unit).is_none())?;
     let (scale, offset) = (base.factor, base.offset);
     (variable.unit.is_none() && (scale, offset) != (1.0, 0.0)).then_some(Affine { scale, offset })
 }

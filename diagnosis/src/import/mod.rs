@@ -6,6 +6,7 @@
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
+//! - `unshown.rs`: which parameters start such states
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
 //! - `straight_line.rs`: the straight line between measured and simulated
 //! - `idle_parameters.rs`: parameters that change nothing
@@ -21,6 +22,7 @@ mod starts;
 mod straight_line;
 mod text;
 mod trial;
+mod unshown;
 mod write;
 
 use crate::error::Error;
@@ -119,14 +121,18 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
     let known = Known { fmu: &unit, units, sheet: longest, time: &time, starts: &[], signs: None, isolation };
     known.trial(&matches).rehearse(limits)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
-    let starts = starts::find_starts(&unit, &measured, limits);
-    let known = Known { starts: &starts, ..known };
+    let (mut starts, maybe) = starts::find_starts(&unit, &measured, limits);
+    let first = Known { starts: &starts, ..known };
+    let candidates = write::parameters(&unit, &starts);
+    let found = write::Found::new(&sheets, &first, &told, &matches, &candidates);
+    let draft::Tried { too_long, signs, shown, unshown } =
+        draft::try_draft(fmu, &unit, units, isolation, &found, &maybe);
+    starts.extend(shown);
     let mut candidates = write::parameters(&unit, &starts);
-    let found = write::Found::new(&sheets, &known, &told, &matches, &candidates);
-    let draft::Tried { too_long, signs, unshown } = draft::try_draft(fmu, &unit, units, isolation, &found);
     candidates.retain(|place| !unshown.contains(place));
-    let known = Known { signs: signs.as_ref(), ..known };
-    let tried = try_model(&known, too_long.as_deref(), (&mut matches, &candidates), &mut notices);
+    let known = Known { starts: &starts, signs: signs.as_ref(), ..known };
+    let numbers = (&candidates[..], &unshown[..]);
+    let tried = try_model(&known, too_long.as_deref(), &mut matches, numbers, &mut notices);
     for sheet in &sheets {
         sheet.gaps(&time, &mut notices)?;
     }
@@ -142,12 +148,13 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
     Ok(Imported { guesses, notices })
 }
 
-/// Tries every match against the model, and which of these parameters change nothing; none of it where the times are another unit's, in which the
+/// Tries every match against the model, and which of the candidates change nothing; none of it where the times are another unit's, in which the
 /// model follows nothing and takes a thousand times as long.
 fn try_model(
     known: &Known<'_>,
     too_long: Option<&str>,
-    (matches, candidates): (&mut [Match], &[usize]),
+    matches: &mut [Match],
+    (candidates, unshown): (&[usize], &[usize]),
     notices: &mut Vec<String>,
 ) -> idle_parameters::Found {
     if let Some(told) = too_long {
@@ -158,7 +165,7 @@ fn try_model(
         return idle_parameters::Found::default();
     }
     trial::against_model(known, matches, notices);
-    idle_parameters::find_idle(&known.trial(matches), candidates)
+    idle_parameters::find_idle(&known.trial(matches), candidates, unshown)
 }
 
 /// The logs, with a column of time for those that a clock is given for. Columns that have a variable's name have it to the letter.

@@ -1,6 +1,6 @@
 //! Numbers that logs and a unit are made a data set by, each with its reason.
 
-use crate::statistics::levels::{CERTAIN, FAR, HALF, ROUNDING, SEVERAL, SMALL, STEP};
+use crate::statistics::levels::{CERTAIN, FAR, FINE, HALF, ROUNDING, SEVERAL, SMALL, STEP};
 use std::time::Duration;
 
 /// How much is enough.
@@ -18,6 +18,12 @@ pub(super) struct Import {
     pub start_move: f64,
     /// A variable shows a start where it shows that move to this share of it.
     pub start_shown: f64,
+    /// Begun anew in its states a model goes on as it did, but for this share of its motion.
+    pub goes_on: f64,
+    /// And but for this one through half of a run each, where no name tells of a start: a constant that stands in for a state does it less well.
+    pub goes_on_long: f64,
+    /// A start is no constant where the model then misses so many times as much with it as a constant.
+    pub is_state: f64,
     /// Correlation below which model and log say nothing of each other.
     pub tells: f64,
     /// Correlation from which a slope tells a unit of measurement, and how near the slope must be to its factor: a model that
@@ -45,6 +51,9 @@ pub(super) const IMPORT: Import = Import {
     same_initial: SMALL,
     start_move: STEP,
     start_shown: ROUNDING,
+    goes_on: STEP,
+    goes_on_long: FINE,
+    is_state: FAR,
     tells: 0.6,
     unit: (0.9, 0.3),
     turn: STEP,

@@ -1,10 +1,12 @@
-//! Which parameter is where a state starts: found by its name, believed once the unit was seen to start there.
+//! Which parameter is where a state starts: found by its name, believed once the unit was seen to start there. What has no such name and what no
+//! variable shows is tried further (`unshown.rs`).
 //!
 //! A parameter is tried where its name says so (`x_initial`, `initialPositionY`, `T_0`): variables that are there after initialisation, at
 //! two values of it, start there. Of several the one that has its name goes first, then what was measured, then outputs.
 
 use super::instance;
 use super::policy::IMPORT;
+use super::unshown::Likely;
 use crate::observe;
 use orchestrator::fmu::{Begin, Causality, Description, Variable};
 use orchestrator::{Fmu, Isolation, Kind, Value};
@@ -24,8 +26,9 @@ pub(super) struct Start {
 }
 
 /// States of a unit that can be started; of two variables that one parameter starts a measured one goes first. Where many parameters are
-/// moved at once the unit runs in a process of its own within `limits`: nobody knows what it bears.
-pub(super) fn find_starts(fmu: &Fmu, measured: &[usize], limits: &Isolation) -> Vec<Start> {
+/// moved at once the unit runs in a process of its own within `limits`: nobody knows what it bears. And those that may be such: what was
+/// measured is there, but no name says so.
+pub(super) fn find_starts(fmu: &Fmu, measured: &[usize], limits: &Isolation) -> (Vec<Start>, Vec<Start>) {
     let description = fmu.description();
     let mut all: Vec<Start> = (0..description.variables.len())
         .filter(|place| observe::shows_its_start(&description.variables[*place]))
@@ -33,18 +36,16 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize], limits: &Isolation) -> 
         .collect();
     let shown: Vec<usize> =
         (0..description.variables.len()).filter(|place| moves(&description.variables[*place])).collect();
-    let Ok(nominal) = initialised(fmu, &shown, &[]) else { return all };
+    let Ok(nominal) = initialised(fmu, &shown, &[]) else { return (all, Vec::new()) };
     let apart = fmu.isolated(limits.clone());
-    for (place, parameter) in
-        description.variables.iter().enumerate().filter(|(_, one)| is_named_a_start(one))
+    let mut maybe = Vec::new();
+    for (place, parameter) in description.variables.iter().enumerate().filter(|(_, one)| may_be_a_start(one))
     {
         let namesake = namesake(description, parameter);
         let by_its_name = tells_a_start(&parameter.name);
-        if namesake.is_none() && !by_its_name {
-            continue;
-        }
         let free = |one: &usize| all.iter().all(|known| known.shows != *one);
         let mut there = follows(fmu, parameter, &shown, &nominal).unwrap_or_default();
+        there.retain(free);
         if !there.is_empty() {
             there.retain(|one| hangs_on_it_alone(&apart, parameter, *one));
         }
@@ -52,20 +53,45 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize], limits: &Isolation) -> 
             let output = description.variables[*one].causality == Causality::Output;
             (Some(*one) != namesake, !measured.contains(one), !output)
         };
-        let may = |one: &usize| free(one) && (Some(*one) == namesake || by_its_name);
-        if let Some(shows) = there.into_iter().filter(may).min_by_key(first) {
-            all.push(Start { start: place, shows });
+        let named = |one: &usize| by_its_name || Some(*one) == namesake;
+        let start = |shows: usize| Start { start: place, shows };
+        match there.iter().copied().filter(named).min_by_key(first) {
+            Some(shows) => all.push(start(shows)),
+            None => maybe.extend(there.into_iter().find(|one| measured.contains(one)).map(start)),
         }
     }
-    all
+    let is_free = |one: &Start| all.iter().all(|known| known.shows != one.shows);
+    maybe.retain(is_free);
+    maybe.dedup_by_key(|one| one.shows);
+    (all, maybe)
+}
+
+/// What may start a state: what shows it though no name says so, and by its name, though no variable shows it, what a unit keeps to itself.
+pub(super) fn likely(fmu: &Fmu, candidates: &[usize], maybe: &[Start]) -> Vec<Likely> {
+    let shown = maybe.iter().map(|one| Likely { start: one.start, shows: Some(one.shows) });
+    let is_shown = |place: &usize| maybe.iter().any(|one| one.start == *place);
+    let unshown = unshown(fmu, candidates).into_iter().filter(|place| !is_shown(place));
+    shown.chain(unshown.map(|start| Likely { start, shows: None })).collect()
+}
+
+/// Those that are numbers and may be anything.
+pub(super) fn numbers(fmu: &Fmu, candidates: &[usize]) -> Vec<usize> {
+    let variables = &fmu.description().variables;
+    candidates.iter().copied().filter(|place| may_be_a_start(&variables[*place])).collect()
+}
+
+/// Whether the name of a parameter says that it is where a variable starts.
+pub(super) fn is_told_by_name(description: &Description, one: Start) -> bool {
+    let parameter = &description.variables[one.start];
+    tells_a_start(&parameter.name) || namesake(description, parameter) == Some(one.shows)
 }
 
 /// Parameters that are starts by their names, though no variable shows them: those of states that a unit keeps to itself.
-pub(super) fn unshown(fmu: &Fmu, candidates: &[usize]) -> Vec<usize> {
+fn unshown(fmu: &Fmu, candidates: &[usize]) -> Vec<usize> {
     let variables = &fmu.description().variables;
     let named = |place: &usize| {
         let name = &variables[*place].name;
-        is_named_a_start(&variables[*place])
+        may_be_a_start(&variables[*place])
             && (has_the_word(name) || BEHIND.iter().any(|end| ends_as_a_start(name, end)))
     };
     candidates.iter().copied().filter(named).collect()
@@ -81,8 +107,8 @@ pub(super) fn find(starts: &[Start], shows: usize) -> Option<Start> {
     starts.iter().copied().find(|one| one.shows == shows)
 }
 
-/// A parameter that is a number, whose name may be that of a start.
-fn is_named_a_start(variable: &Variable) -> bool {
+/// A parameter that is a number.
+fn may_be_a_start(variable: &Variable) -> bool {
     variable.kind == Kind::Real && variable.causality == Causality::Parameter && variable.start.is_some()
 }
 

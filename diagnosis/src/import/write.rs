@@ -2,7 +2,7 @@
 
 use super::idle_parameters;
 use super::sheet::Sheet;
-use super::starts::Start;
+use super::starts::{self, Start};
 use super::trial::Known;
 use super::{Match, Time, instance};
 use crate::error::Error;
@@ -138,8 +138,11 @@ fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Sta
         let (start, shown) = (name(one.start), name(one.shows));
         let _ = writeln!(text, "\n[[state]]");
         if one.start != one.shows {
-            let _ = writeln!(text, "# guess: {start} is where {shown} starts, by its name and by trial");
-            guesses.push(format!("{start} is where {shown} starts, by its name and by trial"));
+            let named =
+                if starts::is_told_by_name(fmu.description(), *one) { "by its name and " } else { "" };
+            let why = format!("{start} is where {shown} starts, {named}by trial");
+            let _ = writeln!(text, "# guess: {why}");
+            guesses.push(why);
         }
         let _ = writeln!(text, "start = {}", quoted(&format!("{}.{start}", instance(fmu))));
         let _ = writeln!(text, "shows = {}", quoted(&format!("{}.{shown}", instance(fmu))));
@@ -147,7 +150,8 @@ fn states(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, starts: &[Sta
     for place in unshown {
         let start = name(*place);
         let why = format!(
-            "{start} is a start by its name, no variable shows it, and without it the model remembers more than its states"
+            "{start} is a start by trial, though no variable shows it: with it as a state the model goes on as it did where it begins anew, and not \
+             without"
         );
         let _ = writeln!(text, "\n[[state]]\n# guess: {why}");
         let _ = writeln!(text, "start = {}", quoted(&format!("{}.{start}", instance(fmu))));
@@ -199,6 +203,12 @@ fn put_candidates(
         guesses.push(format!(
             "the last {} were not tried, since the unit takes long or can't be run in a process of its own: some may change nothing",
             tried.untried
+        ));
+    }
+    if tried.unfinished > 0 {
+        guesses.push(format!(
+            "{} of those that change nothing were not tried to the ends of their ranges and beside all that is off, since the unit takes long",
+            tried.unfinished
         ));
     }
     if !struck.is_empty() {

@@ -15,6 +15,7 @@ const RAD: [i32; 8] = [0, 0, 0, 0, 0, 0, 0, 1];
 const NONE: [i32; 8] = [0; 8];
 const LENGTH: [i32; 8] = [0, 1, 0, 0, 0, 0, 0, 0];
 const TIME: [i32; 8] = [0, 0, 1, 0, 0, 0, 0, 0];
+const ACCELERATION: [i32; 8] = [0, 1, -2, 0, 0, 0, 0, 0];
 const MASS: [i32; 8] = [1, 0, 0, 0, 0, 0, 0, 0];
 const FORCE: [i32; 8] = [1, 1, -2, 0, 0, 0, 0, 0];
 const ENERGY: [i32; 8] = [1, 2, -2, 0, 0, 0, 0, 0];
@@ -71,6 +72,10 @@ const BARE: &[Named] = &[
     ("psi", PRESSURE, 6_894.757_293_168),
 ];
 
+/// What a name means beside what it means above, where the variable measures that: accelerometers count in standard gravities (exact by
+/// definition: 3rd CGPM, 1901).
+const OTHERWISE: &[Named] = &[("g", ACCELERATION, 9.806_65), ("mg", ACCELERATION, 9.806_65e-3)];
+
 /// Temperatures that don't begin at 0 K: only by themselves, never within a product.
 const SHIFTED: &[(&str, f64, f64)] = &[("degC", 1.0, 273.15), ("degF", 5.0 / 9.0, 459.67 * 5.0 / 9.0)];
 
@@ -105,6 +110,7 @@ const SPELLED: &[(&str, &str)] = &[
     ("Nm", "N.m"),
     ("mNm", "mN.m"),
     ("r/min", "rpm"),
+    ("RPM", "rpm"),
     ("1/min", "rpm"),
     ("kph", "km/h"),
     ("L", "l"),
@@ -112,16 +118,28 @@ const SPELLED: &[(&str, &str)] = &[
     ("-", "1"),
 ];
 
+/// A unit's name as it is spelled here.
+fn plain(name: &str) -> String {
+    let name = name.trim().replace(['µ', 'μ'], "u").replace(['·', '*'], ".").replace('^', "");
+    // an ordinal and a ring above look like a degree, and stand on more keyboards
+    let name = name.replace(['º', '˚'], "°").replace('⁻', "-").replace('¹', "1").replace(" / ", "/");
+    name.replace('²', "2").replace('³', "3")
+}
+
 /// A unit by its name alone.
 pub fn named(name: &str) -> Option<BaseUnit> {
-    let name = name.trim().replace(['µ', 'μ'], "u").replace(['·', '*'], ".").replace('^', "");
-    let name = name.replace('²', "2").replace('³', "3");
-    let name = SPELLED.iter().find(|(other, _)| *other == name).map_or(name.as_str(), |(_, usual)| usual);
+    let name = plain(name);
+    let name = spelled(&name).unwrap_or(&name);
     if let Some((_, factor, offset)) = SHIFTED.iter().find(|(known, ..)| *known == name) {
         return Some(BaseUnit { exponents: [0, 0, 0, 0, 1, 0, 0, 0], factor: *factor, offset: *offset });
     }
     let (exponents, factor) = product(name)?;
     Some(BaseUnit { exponents, factor, offset: 0.0 })
+}
+
+/// The usual spelling of another one.
+fn spelled(text: &str) -> Option<&'static str> {
+    SPELLED.iter().find(|(other, _)| *other == text).map(|(_, usual)| *usual)
 }
 
 /// `N.m/(rad.s)`: a slash divides by the one factor, or the parenthesis, that follows.
@@ -155,6 +173,10 @@ fn power(text: &str) -> Option<([i32; 8], f64)> {
     if text == "1" {
         return Some((NONE, 1.0));
     }
+    // within a product, too: `°/s`, `Nm/rad`
+    if let Some(usual) = spelled(text) {
+        return product(usual);
+    }
     let digits = text.find(|letter: char| letter == '-' || letter.is_ascii_digit()).unwrap_or(text.len());
     let power: i32 = if digits < text.len() { text[digits..].parse().ok()? } else { 1 };
     let (exponents, factor) = single(&text[..digits])?;
@@ -162,15 +184,23 @@ fn power(text: &str) -> Option<([i32; 8], f64)> {
 }
 
 fn single(text: &str) -> Option<([i32; 8], f64)> {
-    let whole = |list: &[Named], text: &str| {
-        list.iter().find(|(name, ..)| *name == text).map(|(_, exponents, factor)| (*exponents, *factor))
-    };
-    whole(BARE, text).or_else(|| whole(PREFIXED, text)).or_else(|| {
+    let text = spelled(text).unwrap_or(text);
+    listed(BARE, text).or_else(|| listed(PREFIXED, text)).or_else(|| {
         PREFIXES.iter().find_map(|(prefix, times)| {
-            let (exponents, factor) = whole(PREFIXED, text.strip_prefix(prefix)?)?;
+            let (exponents, factor) = listed(PREFIXED, text.strip_prefix(prefix)?)?;
             Some((exponents, factor * times))
         })
     })
+}
+
+fn listed(list: &[Named], text: &str) -> Option<([i32; 8], f64)> {
+    list.iter().find(|(name, ..)| *name == text).map(|(_, exponents, factor)| (*exponents, *factor))
+}
+
+/// What a unit means beside what [`named`] says, if anything: `g` is a standard gravity, too.
+pub fn otherwise_named(name: &str) -> Option<BaseUnit> {
+    let (exponents, factor) = listed(OTHERWISE, &plain(name))?;
+    Some(BaseUnit { exponents, factor, offset: 0.0 })
 }
 
 /// How numbers in `unit` become values of a variable; an error is what is wrong and what would be right.
@@ -209,12 +239,15 @@ pub fn conversion(unit: &str, variable: &Variable, description: &Description) ->
             variable.name
         ));
     };
-    if from.exponents != to.exponents {
+    let measures_the_same = |from: &BaseUnit| from.exponents == to.exponents;
+    let from =
+        Some(from).filter(measures_the_same).or_else(|| otherwise_named(unit).filter(measures_the_same));
+    let Some(from) = from else {
         return Err(format!(
             "unit = {unit:?} doesn't measure the same quantity as {own:?}, the unit of {}",
             variable.name
         ));
-    }
+    };
     Ok(whole(from.factor / to.factor, (from.offset - to.offset) / to.factor))
 }
 
@@ -274,15 +307,38 @@ mod tests {
             ("min", [0, 0, 1, 0, 0, 0, 0, 0], 60.0),
             ("cm", [0, 1, 0, 0, 0, 0, 0, 0], 1e-2),
             ("%", [0; 8], 1e-2),
+            // as people write them
+            ("°/s", [0, 0, -1, 0, 0, 0, 0, 1], 0.017_453_292_519_943_295),
+            ("º/sec", [0, 0, -1, 0, 0, 0, 0, 1], 0.017_453_292_519_943_295),
+            ("rad / s", [0, 0, -1, 0, 0, 0, 0, 1], 1.0),
+            ("rad·s⁻¹", [0, 0, -1, 0, 0, 0, 0, 1], 1.0),
+            ("m/sec^2", [0, 1, -2, 0, 0, 0, 0, 0], 1.0),
+            ("Nm/rad", [1, 2, -2, 0, 0, 0, 0, -1], 1.0),
+            ("L/min", [0, 3, -1, 0, 0, 0, 0, 0], 1e-3 / 60.0),
         ] {
             let unit = named(&name.replace("mΩ", "mOhm")).unwrap_or_else(|| panic!("{name}"));
             assert_eq!(unit.exponents, exponents, "{name}");
             // two or three roundings of products
             assert!((unit.factor / factor - 1.0).abs() < 4.0 * f64::EPSILON, "{name}: {}", unit.factor);
         }
-        for unknown in ["", "N.", "flux", "m/", "N.(m", "degC/s"] {
+        for unknown in ["", "N.", "flux", "m/", "N.(m", "degC/s", "°C/s", "mps2"] {
             assert_eq!(named(unknown), None, "{unknown}");
         }
+    }
+
+    #[test]
+    fn value_g_is_a_gram_of_a_mass_and_a_standard_gravity_of_an_acceleration() {
+        let text = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
+            <UnitDefinitions><Unit name="kg"><BaseUnit kg="1"/></Unit><Unit name="m/s2"><BaseUnit m="1" s="-2"/></Unit></UnitDefinitions>
+            <ModelVariables><ScalarVariable name="load" valueReference="0" causality="output"><Real unit="kg"/></ScalarVariable>
+            <ScalarVariable name="acc" valueReference="1" causality="output"><Real unit="m/s2"/></ScalarVariable></ModelVariables>
+            <ModelStructure/></fmiModelDescription>"#;
+        let description = Description::parse(text).expect("a description");
+        let of = |unit: &str, place: usize| conversion(unit, &description.variables[place], &description);
+        let scale = |unit: &str, place: usize| of(unit, place).map(|affine| affine.scale).expect("converts");
+        assert_eq!((scale("g", 0), scale("g", 1), scale("mg", 0)), (1e-3, 9.80665, 1e-6));
+        assert_eq!(scale("mg", 1), 9.80665e-3);
+        assert!(of("kg", 1).is_err() && of("s", 1).is_err() && of("N", 0).is_err());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::import::policy::IMPORT;
 use crate::import::starts::{self, Start};
 use crate::import::straight_line::Line;
 use crate::observe::{Affine, measure};
+use crate::statistics::levels::ROUNDING;
 use orchestrator::fmu::{Description, Variable};
 
 /// Units that logs are written in, beside the model's own.
@@ -28,8 +29,9 @@ pub(super) fn judge(
     if line.correlation.abs() < IMPORT.tells && known {
         return;
     }
-    let has_unit = matched.unit.is_none() && unit_of(line, variable, description).is_some();
-    if !line.begun && !has_unit {
+    let own = converted(matched, description);
+    let seen = unit_of(line, own, matched.unit.is_some(), (variable, description));
+    if !line.begun && (seen.is_none() || matched.unit.is_some()) {
         matched.evidence.push(format!(
             "nothing tried: the stretch without gaps begins within the log, and nothing says where the model stood there ({said})"
         ));
@@ -43,14 +45,20 @@ pub(super) fn judge(
         ));
         return;
     }
-    if matched.unit.is_none()
-        && let Some((unit, found)) = unit_of(line, variable, description)
-    {
-        matched.evidence.push(format!("in {unit}, by trial: {said}, offset {:.4}", line.offset));
-        matched.unit = Some(unit.to_owned());
-        if line.slope < 0.0 {
-            matched.affine = Some(Affine { scale: -found.scale, offset: found.offset });
+    match (seen, matched.unit.clone()) {
+        (Some(Seen { unit, found, beside: None }), None) => {
+            matched.evidence.push(format!("in {unit}, by trial: {said}, offset {:.4}", line.offset));
+            matched.unit = Some(unit);
+            let sign = own.scale.signum() * line.slope.signum();
+            if sign < 0.0 || matched.affine.is_some() {
+                matched.affine = Some(Affine { scale: sign * found.scale, offset: found.offset });
+            }
+            return;
         }
+        (Some(seen), header) => tell(matched, &seen, header.as_deref(), &said, notices),
+        (None, _) => {}
+    }
+    if !line.begun {
         return;
     }
     if let Some((affine, what)) = turned_or_shifted(matched, line, description, starts) {
@@ -113,17 +121,58 @@ fn other_zero(
     })
 }
 
-/// The unit of measurement that explains a slope.
-fn unit_of(line: Line, variable: &Variable, description: &Description) -> Option<(&'static str, Affine)> {
-    variable.unit.as_deref().filter(|unit| !unit.is_empty())?;
-    let near = |slope: f64| line.correlation.abs() >= IMPORT.unit.0 && (slope - 1.0).abs() < IMPORT.unit.1;
-    USUAL.into_iter().find_map(|unit| {
+/// A unit of measurement that explains a slope.
+struct Seen {
+    unit: String,
+    found: Affine,
+    /// The power of ten that explains it as well: a gain, or a prefix.
+    beside: Option<f64>,
+}
+
+/// The unit of measurement that explains a slope best, other than the one that it was converted from by `own`; where that one is `known`
+/// another of the same size is none.
+fn unit_of(
+    line: Line,
+    own: Affine,
+    known: bool,
+    (variable, description): (&Variable, &Description),
+) -> Option<Seen> {
+    let its = variable.unit.as_deref().filter(|unit| !unit.is_empty())?;
+    if line.correlation.abs() < IMPORT.unit.0 {
+        return None;
+    }
+    let seen = |unit: &str| {
         let found = measure::conversion(unit, variable, description).ok()?;
-        // measured = slope · model + offset is scale · measured + shift = model
+        let ratio = found.scale / own.scale;
+        // measured = slope · model + offset is ratio · (measured - own offset) + shift = model
         let shifted = found.offset != 0.0;
-        let apart = (found.scale * line.offset + found.offset).abs();
+        let apart = (ratio * (line.offset - own.offset) + found.offset).abs();
         let zero = !shifted || apart < 0.2 * found.offset.abs();
-        let other = shifted || (found.scale - 1.0).abs() > 1e-6;
-        (other && near(found.scale * line.slope.abs()) && zero).then_some((unit, found))
-    })
+        let other = shifted && !known || (ratio.abs() - 1.0).abs() > ROUNDING;
+        let slope = (ratio * line.slope).abs();
+        let near = (slope - 1.0).abs() < IMPORT.unit.1;
+        (other && near && zero).then(|| (slope.log10().abs(), unit.to_owned(), found))
+    };
+    let all = USUAL.into_iter().chain([its]).filter_map(seen);
+    let (off, unit, found) = all.min_by(|one, other| one.0.total_cmp(&other.0))?;
+    let decades = line.slope.abs().log10();
+    let is_nearer = (decades - decades.round()).abs() < off - ROUNDING;
+    Some(Seen { unit, found, beside: is_nearer.then(|| libm::exp10(decades.round())) })
+}
+
+/// Tells what a slope says of the unit of measurement where nothing is changed by it: the header says another, or a power of ten is as good.
+fn tell(matched: &mut Match, seen: &Seen, header: Option<&str>, said: &str, notices: &mut Vec<String>) {
+    let Seen { unit, beside, .. } = seen;
+    let told = match (header, beside) {
+        (Some(header), None) => format!(
+            "its header says {header}, and its numbers are what the model says in {unit} ({said}): written as the header says; if it is wrong, \
+             write unit = {unit:?}"
+        ),
+        (None, Some(ten)) => format!(
+            "in {unit}, or {ten} times as large for another reason ({said}): no unit is written; if it is in {unit}, write unit = {unit:?}"
+        ),
+        _ => return,
+    };
+    notices.push(format!("column {:?}: {told}", matched.column));
+    matched.evidence.push(told);
 }

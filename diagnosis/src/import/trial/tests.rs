@@ -28,6 +28,12 @@ fn value_how_many_signs_are_turned_and_what_each_must_gain() {
 
 /// What a line said of a speed in rad/s: evidence and conversion.
 fn judged(line: Line) -> (String, Option<Affine>) {
+    let (matched, _) = judged_in(line, Some("rad/s"), None);
+    (matched.evidence.join("; "), matched.affine)
+}
+
+/// A speed in rad/s whose header says so, and whose sign may be turned, by a line; and notices.
+fn judged_in(line: Line, header: Option<&str>, affine: Option<Affine>) -> (Match, Vec<String>) {
     let text = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
         <UnitDefinitions><Unit name="rad/s"><BaseUnit rad="1" s="-1"/></Unit></UnitDefinitions><ModelVariables>
         <ScalarVariable name="w" valueReference="0" causality="output" variability="continuous"><Real unit="rad/s"/></ScalarVariable>
@@ -36,13 +42,60 @@ fn judged(line: Line) -> (String, Option<Affine>) {
     let mut matched = Match {
         variable: 0,
         column: "w".into(),
-        unit: Some("rad/s".into()),
-        affine: None,
+        unit: header.map(Into::into),
+        affine,
         evidence: Vec::new(),
         fed: false,
     };
-    judge(&mut matched, line, &description, &[], false, &mut Vec::new());
-    (matched.evidence.join("; "), matched.affine)
+    let mut notices = Vec::new();
+    judge(&mut matched, line, &description, &[], affine.is_some(), &mut notices);
+    (matched, notices)
+}
+
+/// A line through the origin.
+fn straight(slope: f64) -> Line {
+    Line { slope, offset: 0.0, correlation: 0.99, spread: 1.0, mean: (0.0, 0.0), begun: true }
+}
+
+#[test]
+fn value_a_slope_that_a_power_of_ten_explains_better_is_no_unit() {
+    // revolutions per minute are 9.549 times as many
+    for (slope, unit) in
+        [(9.55, Some("rpm")), (8.4, Some("rpm")), (57.0, Some("deg/s")), (10.0, None), (1.2, None)]
+    {
+        let (matched, notices) = judged_in(straight(slope), None, None);
+        assert_eq!(matched.unit.as_deref(), unit, "{slope}: {:?}", matched.evidence);
+        let told = notices.iter().any(|told| told.contains("in rpm, or 10 times as large"));
+        assert_eq!(told, slope == 10.0, "{notices:?}");
+    }
+}
+
+#[test]
+fn value_a_unit_by_trial_keeps_a_sign_that_is_turned() {
+    let turned = Affine { scale: -1.0, offset: 0.0 };
+    let (matched, _) = judged_in(straight(9.55), None, Some(turned));
+    // a minute's revolutions, the other way round; a rounding of a product
+    let scale = matched.affine.expect("both").scale;
+    assert!((scale * 60.0 / std::f64::consts::TAU + 1.0).abs() < 1e-15, "{scale}");
+}
+
+#[test]
+fn value_a_header_that_the_slope_contradicts_is_told() {
+    // 1 rad under a header that says degrees counts as 0.017
+    let (matched, notices) = judged_in(straight(1f64.to_radians()), Some("deg/s"), None);
+    assert_eq!(
+        (matched.unit.as_deref(), matched.affine),
+        (Some("deg/s"), None),
+        "nothing is changed by guess"
+    );
+    assert!(
+        notices.iter().any(|told| told.contains("header says deg/s") && told.contains("unit = \"rad/s\"")),
+        "{notices:?}"
+    );
+    // and what fits as it says is not; a gain that a fault makes isn't a unit, either
+    for slope in [1.0, 0.8, 1.25, 3.0] {
+        assert_eq!(judged_in(straight(slope), Some("deg/s"), None).1, [""; 0], "{slope}");
+    }
 }
 
 fn told(correlation: f64, apart: f64) -> (String, Option<Affine>) {

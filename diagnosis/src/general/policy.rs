@@ -41,8 +41,7 @@ pub(super) struct General {
     /// Highest probability that a name is given.
     pub sure: f64,
     /// Highest probability that a name is given in doubt: beside an unlisted input, where a gap stays, or where its interval holds the value at
-    /// which it is off. What an unlisted input takes up is not told apart. Of the maker's first set with pulses
-    /// that nobody lists, two of two names beside them were wrong.
+    /// which it is off. Of the names that a blind tester's 69 sets of waves, noise, coarse steps and unlisted terms led to there, 3 of 20 were right.
     pub beside: f64,
     /// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
     pub steps_a_row: f64,
@@ -68,7 +67,7 @@ pub(super) const GENERAL: General = General {
     resembles: CERTAIN,
     apart: ROWS,
     sure: 0.999,
-    beside: HALF,
+    beside: PART,
     steps_a_row: 20.0,
     finest: FEW as i64,
 };

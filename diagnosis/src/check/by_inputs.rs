@@ -72,7 +72,7 @@ mod tests {
         let (tau, q1) = (of("tau").expect("it is fed"), of("q1").expect("it is compared"));
         assert!(mutes(&way(tau, 1e-9), &problem), "a torque that is as good as none");
         assert!(!mutes(&way(tau, -1.0), &problem), "turned it still drives");
-        assert!(!mutes(&way(q1, 0.9), &problem), "another angle that it drives");
+        assert!(!mutes(&way(q1, 0.9999), &problem), "nearly the same angle, which it drives");
         // what had no say before has none to lose
         let still = held(&problem, &[tau]);
         assert!(!mutes(&way(tau, 1e-9), &still));

@@ -31,7 +31,7 @@ impl Engine {
             let job = Job { each_row: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
             let first = n + self.machine.channels.len() + schedule.reads[row].len();
-            let told = first..first + rows * sizes.len();
+            let told = first..base.len().min(first + rows * sizes.len());
             for (state, of) in self.machine.states.iter().enumerate().filter(|(_, of)| of.channel.is_none()) {
                 let step = 1e-4 * of.nominal.abs().max(1e-2);
                 let mut at = here.clone();
@@ -58,7 +58,7 @@ impl Engine {
             let job = Job { each_row: true, ..schedule.job(grid.time[row], row, DYNAMICS.watched, &here) };
             worker.interval(&self.machine, &job, &mut base)?;
             let first = n + self.machine.channels.len() + schedule.reads[row].len();
-            let told = first..first + rows * sizes.len();
+            let told = first..base.len().min(first + rows * sizes.len());
             for input in (0..width).filter(|input| self.machine.inputs[*input].open) {
                 let step = 1e-3 * scales[input];
                 let shifted = |values: &[f64]| -> Vec<f64> {

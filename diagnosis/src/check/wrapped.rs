@@ -81,7 +81,7 @@ fn wraps(series: &Series, turn: f64) -> bool {
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let steps = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let largest = steps().filter(|step| *step <= HALF * turn).fold(0.0, f64::max);
-    let smooth = largest <= PART * turn;
+    let smooth = largest > 0.0 && largest <= PART * turn;
     let mut rest = steps().filter(|step| *step > HALF * turn).map(|step| (step - turn).abs()).peekable();
     high - low <= (1.0 + SLIGHT) * turn && smooth && rest.peek().is_some() && rest.all(|step| step <= largest)
 }

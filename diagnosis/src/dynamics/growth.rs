@@ -13,6 +13,10 @@ impl Engine {
     /// least, and all of a machine that forgets or drifts, or can't be run there.
     pub(super) fn rows_before_growth(&self, grid: &Grid, row: usize, rows: usize) -> usize {
         let machine = &self.machine;
+        // what is simulated whole begins nowhere else
+        if machine.whole {
+            return rows;
+        }
         let schedule = Schedule::new(machine, grid, &machine.neutral());
         let here = self.nominal_states(grid, row);
         let (width, share) = (machine.channels.len(), DYNAMICS.state_step);

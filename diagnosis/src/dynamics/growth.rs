@@ -9,8 +9,8 @@ use super::worker::Job;
 use crate::statistics::levels::{FAR, ROWS, SAMPLE};
 
 impl Engine {
-    /// Of so many rows from one on those before a move of a state that a channel shows has moved one far more, each in its own scale: one at
-    /// least, and all of a machine that forgets or drifts, or can't be run there.
+    /// Of so many rows from one on those before a move of a state that a channel shows has grown far beyond itself there: one at least, and all of
+    /// a machine that forgets or drifts, or can't be run there. What a state does to others says nothing: their units may be misread.
     pub(super) fn rows_before_growth(&self, grid: &Grid, row: usize, rows: usize) -> usize {
         let machine = &self.machine;
         // what is simulated whole begins nowhere else
@@ -19,22 +19,22 @@ impl Engine {
         }
         let schedule = Schedule::new(machine, grid, &machine.neutral());
         let here = self.nominal_states(grid, row);
-        let (width, share) = (machine.channels.len(), DYNAMICS.state_step);
-        let mut sizes = vec![f64::INFINITY; width];
-        let shown =
-            || machine.states.iter().enumerate().filter_map(|(place, state)| Some((place, state.channel?)));
-        shown().for_each(|(place, channel)| sizes[channel] = self.scales[place]);
         let whole = schedule.job(grid.time[row], row, rows, &here);
         let job = Job { each_row: true, reads: &[], ..whole };
+        let shown = machine.states.iter().enumerate().filter_map(|(state, of)| Some((state, of.channel?)));
         let grown = self.with_worker(|worker| {
             let (mut base, mut out, mut all) = (Vec::new(), Vec::new(), rows);
             worker.interval(machine, &job, &mut base)?;
-            for (place, _) in shown() {
+            for (state, channel) in shown {
+                let by = DYNAMICS.state_step * self.scales[state];
                 let mut at = here.clone();
-                at[place] += share * self.scales[place];
+                at[state] += by;
                 worker.interval(machine, &Job { states: &at, ..job }, &mut out)?;
-                let first = machine.order();
-                all = all.min(rows_until_grown(&base[first..], &out[first..], share, &sizes));
+                let own = |out: &[f64]| -> Vec<f64> {
+                    let rows = &out[machine.order()..];
+                    rows.iter().skip(channel).step_by(machine.channels.len()).copied().collect()
+                };
+                all = all.min(rows_until_grown(&own(&base), &own(&out), by));
             }
             Ok(all)
         });
@@ -55,15 +55,10 @@ impl Engine {
     }
 }
 
-/// Rows until a move of a state, a share of its scale, has moved an output far more in its own.
-fn rows_until_grown(base: &[f64], moved: &[f64], share: f64, sizes: &[f64]) -> usize {
-    let rows = base.chunks(sizes.len().max(1)).zip(moved.chunks(sizes.len().max(1)));
-    let all = rows.len();
-    let is_grown = |(base, moved): (&[f64], &[f64])| {
-        let mut by = base.iter().zip(moved).zip(sizes);
-        by.any(|((base, moved), size)| (moved - base).abs() > FAR * share * size)
-    };
-    rows.map(is_grown).position(|grown| grown).unwrap_or(all)
+/// Rows until a state that was moved is off by far more than that.
+fn rows_until_grown(base: &[f64], moved: &[f64], by: f64) -> usize {
+    let mut off = base.iter().zip(moved).map(|(base, moved)| (moved - base).abs());
+    off.position(|off| off > FAR * by).unwrap_or(base.len())
 }
 
 #[cfg(test)]
@@ -73,12 +68,10 @@ mod tests {
 
     #[test]
     fn value_how_long_a_move_tells_of_a_state() {
-        let moved = |rate: f64| -> Vec<f64> {
-            (0..30).map(|row| 1e-4 * 2.0 * libm::exp(rate * f64::from(row))).collect()
-        };
-        let base = [0.0; 30];
+        let moved =
+            |rate: f64| -> Vec<f64> { (0..30).map(|row| 1e-4 * libm::exp(rate * f64::from(row))).collect() };
         // a machine that forgets, one that drifts off slowly, and one that grows tenfold in twelve rows
-        let rows = [-0.2, 0.05, 0.2].map(|rate| rows_until_grown(&base, &moved(rate), 1e-4, &[2.0]));
+        let rows = [-0.2, 0.05, 0.2].map(|rate| rows_until_grown(&[0.0; 30], &moved(rate), 1e-4));
         assert_eq!(rows, [30, 30, 12]);
     }
 

@@ -9,6 +9,7 @@ use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::nuisance::scatter;
+use crate::statistics::levels::FEW;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -109,12 +110,15 @@ impl Engine {
         let each = if whole { 1 } else { glance.stretches.div_ceil(runs) };
         let taken = glance.stretches.min(runs).max(1);
         let middle = self.grids[0].time.len() / 2;
+        // through as many values as start states any model is followed
+        let least = FEW * self.machine.order() / self.machine.channels.len().max(1);
         let followed = self.rows_before_growth(&self.grids[0], middle, glance.rows.min(middle).max(1));
         let mut list = Vec::new();
         for run in (0..taken).map(|part| part * runs / taken) {
             let grid = &self.grids[run];
             let last = grid.time.len() - 1;
-            let intervals = if followed < middle { glance.rows.min(followed) } else { glance.rows };
+            let intervals =
+                if followed < middle { glance.rows.min(followed.max(least)) } else { glance.rows };
             let intervals = intervals.min(last).max(1);
             let room = last - intervals;
             let count = each.min(last / intervals).max(1);

@@ -60,16 +60,17 @@ pub fn judge_residual(engine: &Engine, fit: &Fit, sizes: &Sizes, policy: &Policy
         return Residual { evidence: without - white, none: without, unlisted: None, sizes: exact };
     };
     let (noise, with, own) = freed(engine, fit, exact, (noise, with), policy);
-    let mut evidence = without - with.min(white);
+    let evidence = without - with.min(white);
+    let mut of_something_else = evidence;
     if evidence > policy.unknown
         && let Some(explained) = noisy_inputs::deviance(engine, fit, &none, sizes)
     {
-        evidence = evidence.min(explained - with.min(white));
+        of_something_else = evidence.min(explained - with.min(white));
     }
     Residual {
         evidence,
         none: without,
-        unlisted: Some(noise).filter(|_| evidence > policy.unknown),
+        unlisted: Some(noise).filter(|_| of_something_else > policy.unknown),
         sizes: own,
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! - `stuck.rs`: a sensor that stood still for a while: the log alone tells
 //! - `one_value.rs`: one that stood still throughout a run: the model moves it
-//! - `wrapped.rs`: an angle that wraps in the log: the log alone tells
+//! - `wrapped.rs`: an angle that wraps in the log: the model turns on
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
 //! - `by_inputs.rs`: and what it is fed has a say in that
 //! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help

@@ -1,47 +1,60 @@
 //! An angle that wraps: its log jumps by a turn where the machine turns on.
 //!
-//! The log alone tells: all values lie within one turn, and where one jumps by more than half of it, a turn more or less makes it a step like
-//! those of other rows. A unit that declares a range of a turn wraps as its sensor does, and is not asked.
+//! All values lie within one turn, and where one jumps by more than half of it, a turn more or less makes it a step like those of other rows.
+//! A unit that wraps as its sensor does is followed as it is: begun a turn farther, it shows no angle that is a turn farther.
 
 use super::Doubt;
-use crate::observe::{Problem, Role, Series};
+use crate::dynamics::build::build;
+use crate::observe::{Channel, Problem, Role, Run, Series};
 use crate::statistics::levels::{HALF, PART, ROUNDING, SLIGHT};
 use crate::text::brief;
 use orchestrator::fmu::Variable;
 use std::f64::consts::TAU;
 
-/// A compared channel of a run that jumps by a turn.
+/// A compared channel of a run that jumps by a turn, where the model turns on.
 pub(super) fn wrapped(problem: &Problem) -> Option<Doubt> {
-    for run in &problem.runs {
-        for (channel, series) in problem.channels.iter().zip(&run.series) {
-            let variable = problem.model.variable(channel.variable);
-            let turn = turns(variable).iter().find(|turn| {
-                channel.role == Role::Compared && !is_of_one_turn(variable, **turn) && wraps(series, **turn)
-            });
-            let Some(turn) = turn else { continue };
-            let rows: Vec<usize> = jumps(&series.values, *turn).collect();
-            let (first, (period, option)) = (rows[0], period((turn / channel.conversion.scale).abs()));
-            return Some(Doubt {
-                line: channel.line,
-                sentence: format!(
-                    "{}: column {:?} ({}) jumps by a turn ({period}) at time {}{}: the angle wraps in the log, and the model turns on",
-                    run.name,
-                    channel.column,
-                    channel.name,
-                    series.time[first + 1] / run.seconds,
-                    if rows.len() > 1 {
-                        format!(" and {} times later", rows.len() - 1)
-                    } else {
-                        String::new()
-                    },
-                ),
-                add: format!(
-                    "Write it without jumps: add or take a turn behind each, as numpy.unwrap(column{option}) does"
-                ),
-            });
-        }
+    let of_run = |run| (0..problem.channels.len()).map(move |place| (place, run));
+    let asked = problem.runs.iter().flat_map(of_run);
+    let jumping: Vec<(usize, &Run, f64)> =
+        asked.filter_map(|(place, run)| Some((place, run, turn(problem, place, run)?))).collect();
+    if jumping.is_empty() {
+        return None;
     }
-    None
+    let engine = build(problem, &problem.whole_runs()).ok()?.engine;
+    jumping.into_iter().find_map(|(place, run, turn)| {
+        let beyond = run.series[place].values[0] + turn;
+        let shown = engine.shown_begun_at(&run.name, place, beyond)?;
+        ((shown - beyond).abs() < HALF * turn).then(|| doubt(problem, place, run, turn))
+    })
+}
+
+/// The turn by which a compared channel jumps in a run, in the variable's unit, if it does.
+fn turn(problem: &Problem, place: usize, run: &Run) -> Option<f64> {
+    let channel = &problem.channels[place];
+    let all = turns(problem.model.variable(channel.variable));
+    all.iter().copied().find(|turn| channel.role == Role::Compared && wraps(&run.series[place], *turn))
+}
+
+fn doubt(problem: &Problem, place: usize, run: &Run, turn: f64) -> Doubt {
+    let Channel { name, column, conversion, line, .. } = &problem.channels[place];
+    let series = &run.series[place];
+    let mut rows = jumps(&series.values, turn);
+    let time = rows.next().map_or(0.0, |row| series.time[row + 1] / run.seconds);
+    let later = match rows.count() {
+        0 => String::new(),
+        count => format!(" and {count} times later"),
+    };
+    let (period, option) = period((turn / conversion.scale).abs());
+    Doubt {
+        line: *line,
+        sentence: format!(
+            "{}: column {column:?} ({name}) jumps by a turn ({period}) at time {time}{later}: the angle wraps in the log, and the model turns on",
+            run.name
+        ),
+        add: format!(
+            "Write it without jumps: add or take a turn behind each, as numpy.unwrap(column{option}) does"
+        ),
+    }
 }
 
 /// A turn in the log's unit, and what numpy.unwrap must be told of it.
@@ -61,11 +74,6 @@ fn turns(variable: &Variable) -> &'static [f64] {
         None | Some("" | "1") => &[TAU, 360.0],
         Some(_) => &[],
     }
-}
-
-/// Whether a variable declares a range of a turn or less.
-fn is_of_one_turn(variable: &Variable, turn: f64) -> bool {
-    variable.min.zip(variable.max).is_some_and(|(min, max)| max - min <= (1.0 + SLIGHT) * turn)
 }
 
 /// Rows before a jump of more than half a turn.

@@ -54,6 +54,18 @@ struct Stretch<'a> {
     /// Values: place in what is simulated, channel, measured.
     values: Vec<(usize, usize, f64)>,
     intervals: usize,
+    /// The machine grows away from where it is begun.
+    grows: bool,
+}
+
+impl Stretch<'_> {
+    /// Its first quarter; of so many outputs.
+    fn begin(&self, outputs: usize) -> Self {
+        let intervals = self.intervals.div_ceil(4);
+        let within = |(place, ..): &&(usize, usize, f64)| place / outputs <= intervals;
+        let values = self.values.iter().filter(within).copied().collect();
+        Self { values, intervals, ..*self }
+    }
 }
 
 impl Engine {
@@ -103,23 +115,33 @@ impl Engine {
         (0..last).step_by(rows.max(1)).filter_map(part).max_by(|a, b| a.size.total_cmp(&b.size))
     }
 
+    /// What the model shows of a channel where the state that it shows begins at a value, in the middle of a run; nothing where it shows no state.
+    pub fn shown_begun_at(&self, run: &str, channel: usize, value: f64) -> Option<f64> {
+        let machine = &self.machine;
+        let grid = self.grids.iter().find(|grid| grid.name == run)?;
+        let place = machine.channels.iter().position(|output| output.channel == channel)?;
+        let state = machine.states.iter().position(|state| state.channel == Some(place))?;
+        let schedule = Schedule::new(machine, grid, &machine.neutral());
+        let row = grid.time.len() / 2;
+        let mut states = self.nominal_states(grid, row);
+        states[state] = value;
+        let (job, mut out) = (schedule.job(grid.time[row], row, 1, &states), Vec::new());
+        self.with_worker(|worker| worker.interval(machine, &Job { reads: &[], ..job }, &mut out)).ok()?;
+        out.get(machine.order() + place).copied()
+    }
+
     /// Evenly over the runs; from the begin of a run where nothing can be started later.
     fn stretches<'a>(&'a self, glance: &Glance, schedules: &'a [Schedule]) -> Vec<Stretch<'a>> {
         let runs = self.grids.len();
         let whole = self.machine.whole;
         let each = if whole { 1 } else { glance.stretches.div_ceil(runs) };
         let taken = glance.stretches.min(runs).max(1);
-        let middle = self.grids[0].time.len() / 2;
-        // through as many values as start states any model is followed
-        let least = FEW * self.machine.order() / self.machine.channels.len().max(1);
-        let followed = self.rows_before_growth(&self.grids[0], middle, glance.rows.min(middle).max(1));
+        let (rows, grows) = self.rows_followed(glance.rows);
         let mut list = Vec::new();
         for run in (0..taken).map(|part| part * runs / taken) {
             let grid = &self.grids[run];
             let last = grid.time.len() - 1;
-            let intervals =
-                if followed < middle { glance.rows.min(followed.max(least)) } else { glance.rows };
-            let intervals = intervals.min(last).max(1);
+            let intervals = rows.min(last).max(1);
             let room = last - intervals;
             let count = each.min(last / intervals).max(1);
             for part in 0..count {
@@ -130,10 +152,22 @@ impl Engine {
                     row,
                     values: self.values(run, row, intervals),
                     intervals,
+                    grows,
                 });
             }
         }
         list
+    }
+
+    /// Of so many rows of a stretch those through which a machine that grows away from its log can be followed, and whether it does.
+    fn rows_followed(&self, rows: usize) -> (usize, bool) {
+        let grid = &self.grids[0];
+        let (row, last) = (grid.time.len() / 2, grid.time.len() - 1);
+        let asked = rows.min(last - row).max(1);
+        let followed = self.rows_before_growth(grid, row, asked);
+        // through as many values as start states any model is followed
+        let least = FEW * self.machine.order() / self.machine.channels.len().max(1);
+        if followed < asked { (rows.min(followed.max(least)), true) } else { (rows, false) }
     }
 
     /// What was measured in a stretch.
@@ -161,9 +195,27 @@ impl Engine {
         stretch: &Stretch<'_>,
         rounds: usize,
     ) -> Result<Vec<Left>, Error> {
-        let states = self.nominal_states(stretch.grid, stretch.row);
-        let mut here = (states.clone(), self.apart(worker, stretch, &states)?);
+        let mut states = self.nominal_states(stretch.grid, stretch.row);
+        if stretch.grows {
+            // a rate that nobody measures begins at any value: what it grows to would lead a fit of all rows astray
+            let begin = stretch.begin(self.machine.channels.len().max(1));
+            states = self.settled(worker, &begin, states, rounds)?.0;
+        }
+        let (_, rest) = self.settled(worker, stretch, states, rounds)?;
+        Ok(self.summed(stretch, &rest))
+    }
+
+    /// The start state that fits best, from one on, and what it leaves.
+    fn settled(
+        &self,
+        worker: &mut Worker,
+        stretch: &Stretch<'_>,
+        states: Vec<f64>,
+        rounds: usize,
+    ) -> Result<(Vec<f64>, Vec<f64>), Error> {
         let free = !self.machine.whole && !states.is_empty();
+        let rest = self.apart(worker, stretch, &states)?;
+        let mut here = (states, rest);
         let mut damping = 0.0;
         for _ in 0..if free { rounds } else { 0 } {
             let to = self.nearer(worker, stretch, &here, damping)?;
@@ -180,7 +232,7 @@ impl Engine {
                 _ => damping = f64::max(DYNAMICS.damping.0, damping) * DYNAMICS.damping.1,
             }
         }
-        Ok(self.summed(stretch, &here.1))
+        Ok(here)
     }
 
     /// The start state after a Gauss-Newton step.

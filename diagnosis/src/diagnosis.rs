@@ -4,7 +4,7 @@ use crate::error::Notice;
 use crate::overlay::Channel;
 use crate::planned::Planned;
 use crate::provenance::Provenance;
-use crate::text::brief;
+use crate::text::{brief, with_digits_of};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -61,17 +61,9 @@ pub struct Member {
 }
 
 impl Effect {
-    /// A value of it as people write it: with digits after the point that show the interval's width, four at least. Where eleven of them
-    /// show nothing of it, with an exponent.
+    /// A value of it as people write it, with digits that show the interval.
     pub fn written(&self, value: f64) -> String {
-        let width = self.ci95[1] - self.ci95[0];
-        let shows = |size: f64| (4..12_usize).find(|digits| size * 10f64.powi(*digits as i32) >= 10.0);
-        let size = if width > 0.0 { width } else { self.value.abs() };
-        match shows(size) {
-            Some(digits) if width > 0.0 => format!("{value:.digits$}"),
-            None if size > 0.0 => format!("{value:.2e}"),
-            _ => format!("{value:.4}"),
-        }
+        with_digits_of(value, self.value, self.ci95)
     }
 }
 

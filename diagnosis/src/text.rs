@@ -28,9 +28,32 @@ pub fn alike<const N: usize>(values: [f64; N]) -> [String; N] {
     }
 }
 
+/// A number beside an estimate and its interval: with digits after the point that show the interval's width, four at least. Where eleven of
+/// them show nothing of it, with an exponent.
+pub fn with_digits_of(value: f64, estimate: f64, [low, high]: [f64; 2]) -> String {
+    let width = high - low;
+    let shows = |size: f64| (4..12_usize).find(|digits| size * 10f64.powi(*digits as i32) >= 10.0);
+    let size = if width > 0.0 { width } else { estimate.abs() };
+    match shows(size) {
+        Some(digits) if width > 0.0 => format!("{value:.digits$}"),
+        None if size > 0.0 => format!("{value:.2e}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{alike, brief};
+    use super::{alike, brief, with_digits_of};
+
+    #[test]
+    fn value_a_number_has_digits_that_show_its_interval() {
+        let of = |value: f64, half: f64| with_digits_of(value, value, [value - half, value + half]);
+        assert_eq!([of(0.02, 8e-5), of(1.5, 2.0)], ["0.02000", "1.5000"]);
+        assert_eq!(of(3e-11, 1e-12), "3.00e-11");
+        // a count has no interval
+        assert_eq!([of(4.0, 0.0), of(3e-11, 0.0), of(0.0, 0.0)], ["4.0000", "3.00e-11", "0.0000"]);
+        assert_eq!(of(2.0, f64::INFINITY), "2.0000", "nothing is known of it");
+    }
 
     #[test]
     fn value_numbers_of_a_row_have_one_notation() {

@@ -293,7 +293,7 @@ mod tests {
     fn value_what_the_model_leaves_as_logs_are_read() {
         // a fiftieth of the motion is no wrong reading: gains and offsets of that size are sound sensors'
         assert!(residual(0.018, 1e4).is_followed() && !residual(0.022, 1e4).is_followed());
-        assert!(Residual { share: None, ..residual(0.0, 1e4) }.is_followed(), "no channel tells");
+        assert!(Residual { share: None, excess: 1e4 }.is_followed(), "no channel tells");
     }
 
     #[test]
@@ -304,7 +304,7 @@ mod tests {
         assert!(residual(0.0, 90.0).is_less(&sign, &residual(1.0, 1000.0)));
         assert!(!residual(0.0, 110.0).is_less(&sign, &residual(1.0, 1000.0)));
         // a machine at rest: it says nothing, and in the few rows of a first look that is nothing against it
-        let rest = Residual { share: None, ..residual(0.0, 0.0) };
+        let rest = Residual { share: None, excess: 0.0 };
         assert!(!rest.is_right(&sign) && rest.may_be_right(&sign));
         // where nothing else comes near half of the motion will do, if it is a fiftieth of what it leaves as they are read
         for far in [

@@ -174,7 +174,13 @@ pub fn story(studied: &Studied) -> Vec<String> {
     }
     // Where it gains nothing, the search for its size may end a rounding below none.
     let gain = studied.residual.evidence.max(0.0);
-    story.push(format!("process noise gains {gain:.1} of deviance over none in the end"));
+    let by_inputs = gain > studied.policy.unknown && studied.residual.unlisted.is_none();
+    let why = if by_inputs {
+        ": as much as noise of the logged inputs gives, by what their rows scatter"
+    } else {
+        ""
+    };
+    story.push(format!("process noise gains {gain:.1} of deviance over none in the end{why}"));
     story
 }
 

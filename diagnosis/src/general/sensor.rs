@@ -86,8 +86,8 @@ fn sharing(apart: usize, times: f64) -> String {
     }
 }
 
-/// How many rows those residuals are apart that resemble each other most, and how large all are, if any do more than noise (von Neumann's ratio, Ann. Math. Stat. 12
-/// (1941) 367, of neighbours and of rows farther apart: of a wave of some rows the neighbours differ as noise's do).
+/// How many rows those residuals are apart that resemble each other most, and how large all are, if any do more than noise (von Neumann's
+/// ratio, Ann. Math. Stat. 12 (1941) 367, of neighbours and of rows farther apart: of a wave of some rows the neighbours differ as noise's do).
 fn systematic(residuals: &Residuals) -> Option<(usize, f64)> {
     let runs: Vec<Vec<f64>> =
         residuals.iter().map(|run| run.iter().filter_map(|(_, value)| *value).collect()).collect();

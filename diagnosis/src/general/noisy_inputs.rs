@@ -1,6 +1,9 @@
 //! How much process noise comes from inputs that were measured: a sensor's noise on what is fed drives the model where nothing drove the
 //! machine. It is white, acts where the input acts, and is no larger than what the rows of its log scatter by: so much is no evidence of
 //! anything that the model lacks.
+//!
+//! Only where nothing was named. What is fed is off by that noise in the columns of the effects, too, which makes them smaller at high
+//! frequencies than they are (errors in variables): an inductance, or a lag, that isn't there seems to explain that.
 
 use crate::dynamics::Engine;
 use crate::dynamics::machine::Role;
@@ -11,16 +14,18 @@ use crate::nuisance::scatter;
 use crate::observe::InputEffect;
 use crate::statistics::levels::{MORE, anywhere_in};
 
-/// The deviance with process noise up to what the logged inputs' own noise may give; nothing where none of them scatters. `none` is a noise
-/// without any of the process.
+/// The deviance with process noise up to what the logged inputs' own noise may give; nothing where none of them scatters, or effects were
+/// named. `none` is a noise without any of the process.
 pub(super) fn deviance(engine: &Engine, fit: &Fit, none: &Noise, sizes: &Sizes) -> Option<f64> {
+    if !fit.free.is_empty() {
+        return None;
+    }
     let most = process(engine, fit)?;
     let within = |((least, most), own): (&(f64, f64), &f64)| (*least, own.clamp(*least, *most));
     let ranges: Vec<(f64, f64)> = sizes.process.iter().zip(&most).map(within).collect();
     let begun = Noise { process: ranges.iter().map(|(_, most)| *most).collect(), ..none.clone() };
     let sizes = Sizes { process: ranges, pinned: Vec::new(), ..sizes.clone() };
-    let columns: Vec<usize> = (0..fit.free.len()).collect();
-    Some(maximise(&fit.runs, &columns, &begun, &sizes).1)
+    Some(maximise(&fit.runs, &[], &begun, &sizes).1)
 }
 
 /// Process noise of each equation, unit of the state per √s.

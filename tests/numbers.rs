@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 /// Most numbers with a name, and most in the middle of code (guards against a division by zero and factors of formulas, mostly). Who
 /// takes some away lowers these; nobody raises them.
 const NAMED: usize = 118;
-const BARE: usize = 276;
+const BARE: usize = 274;
 
 /// Whose numbers decide nothing: a file, or a constant in it, and what it is instead.
 const OTHER: [(&str, &str, &str); 16] = [
@@ -208,6 +208,9 @@ fn policy_numbers_of_the_diagnosis_only_become_fewer() {
     let (named, bare) = numbers();
     for number in &named {
         println!("{}: {} = {}", number.file, number.name, number.value);
+    }
+    for number in &bare {
+        println!("{}: {}", number.file, number.value);
     }
     let (rooms, bare_rooms) = (by_room(&named), by_room(&bare));
     let all: std::collections::BTreeSet<_> = rooms.keys().chain(bare_rooms.keys()).collect();

@@ -7,6 +7,7 @@ use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
 use crate::observe::{Problem, Run};
+use crate::statistics::levels::STEP;
 
 /// What a user should know of a data set's model.
 fn notice(message: String) -> Notice {
@@ -90,7 +91,7 @@ impl Engine {
         let grid = &self.grids[0];
         let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
         let here: Vec<f64> = (self.nominal_states(grid, 0).iter().zip(&self.scales))
-            .map(|(at, scale)| at + 0.01 * scale)
+            .map(|(at, scale)| at + STEP * scale)
             .collect();
         let shown = self
             .with_worker(|worker| worker.shown_states(&self.machine, &self.job(grid, &schedule, 0, &here)))?;

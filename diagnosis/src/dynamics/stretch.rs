@@ -9,7 +9,7 @@ use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
 use crate::nuisance::scatter;
-use crate::statistics::levels::FEW;
+use crate::statistics::levels::{FEW, FINE};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -222,7 +222,7 @@ impl Engine {
             let square = |rest: &[f64]| rest.iter().map(|e| e * e).sum::<f64>();
             match self.apart(worker, stretch, &to) {
                 Ok(rest) if square(&rest) <= square(&here.1) => {
-                    let settled = square(&here.1) - square(&rest) < 1e-3 * square(&rest);
+                    let settled = square(&here.1) - square(&rest) < FINE * square(&rest);
                     here = (to, rest);
                     damping /= DYNAMICS.damping.1;
                     if settled {

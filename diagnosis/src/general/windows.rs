@@ -6,6 +6,7 @@ use crate::dynamics::Engine;
 use crate::dynamics::grid::Sample;
 use crate::infer::fit::{At, Options, Path, fit};
 use crate::infer::{Linearised, Noise};
+use crate::statistics::levels::SMALL;
 use rayon::prelude::*;
 
 /// Sums of one channel over windows.
@@ -67,7 +68,7 @@ fn is_compared(values: f64, states: usize) -> bool {
 
 /// Whether a state moved by so little of its scale that a window's fit has ended: a tenth, for the smoother gives the rest of the way.
 fn is_at_rest(by: f64, scale: f64) -> bool {
-    by.abs() < 0.1 * scale
+    by.abs() < SMALL * scale
 }
 
 /// Knobs of a window's fit. Only its states move, from a path that is near already. Numerical only: what has not settled is halved.

@@ -94,7 +94,8 @@ impl Engine {
         let effects = output_effects(machine, theta);
         let along = Along { engine: self, grid, schedule: &schedule, set: &self.set(theta) };
         let (mean, sd) = &self.starts[run];
-        let (torn, blind) = (grid.torn(), grid.rows_with_unknown_input(machine.reading));
+        let torn = grid.torn(&schedule.late);
+        let blind = grid.rows_with_unknown_input(machine.reading, &schedule.late);
         let mut filter = Filter {
             state: DVector::from_column_slice(mean),
             covariance: DMatrix::from_fn(n, n, |i, j| if i == j { sd[i] * sd[i] } else { 0.0 }),

@@ -28,7 +28,7 @@ pub(super) fn jumps(course: &Course) -> Vec<f64> {
 }
 
 /// One run, as the sweep walks it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Grid {
     /// Name of the run.
     pub name: String,
@@ -60,6 +60,12 @@ pub struct Lost {
 }
 
 impl Lost {
+    /// When it acts, with each input late by so much, s.
+    fn later(&self, late: &[f64]) -> Self {
+        let late = late.get(self.input).copied().unwrap_or(0.0);
+        Self { from: self.from + late, to: self.to + late, ..*self }
+    }
+
     /// Intervals of rows of which some lies in it. Timestamps jitter: half a row is none.
     fn intervals(&self, time: &[f64]) -> Range<usize> {
         let rows = self.between(time, MORE, HALF);
@@ -157,17 +163,34 @@ impl Grid {
         Self { name: run.name.clone(), time, samples, inputs, origin, begin: Vec::new(), lost }
     }
 
-    /// Whether nobody knows what was fed in each interval: the state behind it is as unknown as the first.
-    pub fn torn(&self) -> Vec<bool> {
+    /// Whether nobody knows what was fed in each interval, with each input `late` by so much, s: the state behind it is as unknown as the
+    /// first. Of those in which what acted came from before the log the last will do.
+    pub fn torn(&self, late: &[f64]) -> Vec<bool> {
         let count = self.time.len().saturating_sub(1);
-        marked(count, self.lost.iter().map(|lost| lost.intervals(&self.time)))
+        let known = self.first_known(late).min(count);
+        let lost = self.lost.iter().map(|lost| lost.later(late).intervals(&self.time));
+        let last = known.saturating_sub(1)..known;
+        marked(count, lost.chain(std::iter::once(last)))
     }
 
-    /// Whether each row was read with an input that nobody knows: the first, too, if before its own inputs acted.
-    pub fn rows_with_unknown_input(&self, reading: Reading) -> Vec<bool> {
-        let first = 0..usize::from(reading == Reading::Before).min(self.time.len());
-        let rows = self.lost.iter().map(|lost| lost.rows(&self.time, reading));
-        marked(self.time.len(), rows.chain([first]))
+    /// Whether each row was read with an input that nobody knows, with each input `late` by so much, s: the first, too, if before its own
+    /// inputs acted.
+    pub fn rows_with_unknown_input(&self, reading: Reading, late: &[f64]) -> Vec<bool> {
+        let before = usize::from(reading == Reading::Before).max(self.first_known(late));
+        let rows = self.lost.iter().map(|lost| lost.later(late).rows(&self.time, reading));
+        let first = 0..before.min(self.time.len());
+        marked(self.time.len(), rows.chain(std::iter::once(first)))
+    }
+
+    /// The first row at which nothing acts any more that a late input carried before the log began. What is late by less than a row carries in
+    /// a part of one interval, which is worth less than the row is.
+    fn first_known(&self, late: &[f64]) -> usize {
+        let row = self.span() / self.time.len().saturating_sub(1).max(1) as f64;
+        let of = |(course, late): (&Course, &f64)| match course.time.first() {
+            Some(first) if *late >= row => self.time.partition_point(|time| *time < first + late),
+            _ => 0,
+        };
+        self.inputs.iter().zip(late).map(of).max().unwrap_or(0)
     }
 
     /// Length, s.
@@ -245,17 +268,43 @@ mod tests {
             begin: Vec::new(),
             lost,
         };
-        let torn: Vec<usize> = (0..99).filter(|row| grid.torn()[*row]).collect();
+        let torn: Vec<usize> = (0..99).filter(|row| grid.torn(&[0.0])[*row]).collect();
         assert_eq!(torn, [50], "until row 50 the value of row 49 held");
         let blind = |reading| {
-            (1..100).filter(|row| grid.rows_with_unknown_input(reading)[*row]).collect::<Vec<usize>>()
+            (1..100).filter(|row| grid.rows_with_unknown_input(reading, &[0.0])[*row]).collect::<Vec<usize>>()
         };
         assert_eq!(blind(Reading::After), [50], "it was read with what its cell would say");
         assert_eq!(blind(Reading::Before), [51], "it was read with what was there before it");
         assert!(
-            grid.rows_with_unknown_input(Reading::Before)[0]
-                && !grid.rows_with_unknown_input(Reading::After)[0]
+            grid.rows_with_unknown_input(Reading::Before, &[0.0])[0]
+                && !grid.rows_with_unknown_input(Reading::After, &[0.0])[0]
         );
+    }
+
+    #[test]
+    fn law_a_late_input_carries_in_what_was_there_before_the_log() {
+        let time: Vec<f64> = (0..100).map(f64::from).collect();
+        let course = gap(1.0, true, Hold::Zero);
+        let lost = vec![Lost { input: 0, from: 50.0, to: 60.0, usual: 1.0 }];
+        let grid = Grid { name: "a".into(), time, inputs: vec![course], lost, ..Grid::default() };
+        let torn = |late| (0..99).filter(|row| grid.torn(&[late])[*row]).collect::<Vec<usize>>();
+        let blind = |late| {
+            let rows = grid.rows_with_unknown_input(Reading::After, &[late]);
+            (0..100).filter(|row| rows[*row]).collect::<Vec<usize>>()
+        };
+        assert_eq!(
+            (torn(0.0).first(), blind(0.0).first()),
+            (Some(&51), Some(&51)),
+            "no delay, nothing before"
+        );
+        assert_eq!(
+            (torn(2.5)[0], torn(2.5)[1]),
+            (2, 54),
+            "row 3 is the first; what is lost comes later, too"
+        );
+        assert_eq!(blind(2.5)[..4], [0, 1, 2, 54]);
+        assert_eq!((torn(0.9)[0], blind(0.9)[0]), (52, 52), "a part of an interval");
+        assert_eq!((torn(1e3), blind(1e3).len()), (vec![98], 100), "later than the log is long");
     }
 
     #[test]

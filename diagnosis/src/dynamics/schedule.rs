@@ -54,6 +54,8 @@ pub struct Schedule {
     pub reads: Vec<Vec<usize>>,
     /// For each row and channel that lags: times since the row, s, and places among its reads.
     pub inner: Vec<Vec<Vec<(f64, usize)>>>,
+    /// How late each input is, s.
+    pub late: Vec<f64>,
 }
 
 /// The effects at the inputs for these parameters.
@@ -113,7 +115,8 @@ impl Schedule {
         }
         let rows = time.len();
         let width = lines.len();
-        let mut schedule = Self { width, first: vec![0], placed, inner, ..Self::default() };
+        let late = effects.iter().map(|effects| effects.delay).collect();
+        let mut schedule = Self { width, first: vec![0], placed, inner, late, ..Self::default() };
         schedule.reads =
             moments.iter().map(|row| row.iter().map(|(_, channel)| *channel).collect()).collect();
         let mut near = vec![0; width];

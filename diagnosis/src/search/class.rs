@@ -123,6 +123,11 @@ impl Search<'_> {
                 list.push(Alternative { loss: fit.deviance, ..other });
             }
         }
+        for (delay, fit) in self.late_sensors(&without, &less)?.into_iter().filter(|(delay, _)| *delay != own)
+        {
+            list.retain(|one| one.parameter != delay);
+            list.push(Alternative { loss: fit.deviance, ..Alternative::as_fitted(delay, &fit) });
+        }
         let least = list.iter().map(|one| one.loss).fold(f64::INFINITY, f64::min);
         list.iter_mut().for_each(|one| one.loss -= least);
         list.retain(|one| one.parameter == own || is_listed(one.loss, self.policy.class));

@@ -3,6 +3,7 @@
 //! - `trials.rs`: from where an effect is tried (a derivative; for limits, switches and long delays a chord)
 //! - `screen.rs`: what each would gain, on one linearisation, with the noises taken anew
 //! - `screened.rs`: fits of what was screened, from where it begins
+//! - `late.rs`: delays of sensors, screened along the model's own path
 //! - `walk.rs`: the search itself; every model on its way is fitted
 //! - `across.rs`: one sensor in the place of several inputs, and the other way round
 //! - `pairs.rs`: two effects that only together explain what is left
@@ -12,6 +13,7 @@
 
 mod across;
 pub mod class;
+mod late;
 pub mod nearest;
 mod pairs;
 mod policy;

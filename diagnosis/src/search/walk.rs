@@ -253,6 +253,9 @@ impl Search<'_> {
             let worth = ranked.iter().filter(|screened| may_gain(screened.gain, self.policy.gain));
             let tried: Vec<Screened> = worth.take(self.policy.fitted).copied().collect();
             let best = self.best_fitted(&effects, &here, &screen, &tried);
+            let late = self.late_sensors(&effects, &here)?.into_iter();
+            let late = late.map(|(delay, fit)| (effects.iter().copied().chain([delay]).collect(), fit));
+            let best = late.chain(best).min_by(|a, b| a.1.deviance.total_cmp(&b.1.deviance));
             let Some((with, fit)) = best.filter(|(_, fit)| self.is_an_effect(&here, fit)) else {
                 self.last = Some(screen.last(&here));
                 break;
@@ -274,6 +277,11 @@ impl Search<'_> {
         Ok((effects, here))
     }
 
+    /// The sizes of the noises where no equation has process noise.
+    pub(super) fn without_process(&self) -> Sizes {
+        self.sizes.with_pinned(vec![true; self.engine.machine.order()])
+    }
+
     /// Whether a model with one more effect gains enough. What reality lacks and no effect gives is process noise's to begin with: an effect
     /// that gains little beside it, and without it takes little of what it gains, stands for a part of that, and is looked for again beside an
     /// unlisted input.
@@ -282,7 +290,7 @@ impl Search<'_> {
         if gained < self.policy.gain || !self.yields || here.at.noise.disturbance.is_some() {
             return gained >= self.policy.gain;
         }
-        let exact = self.sizes.with_pinned(vec![true; self.engine.machine.order()]);
+        let exact = self.without_process();
         let none = |fit: &Fit| {
             let columns: Vec<usize> = (0..fit.free.len()).collect();
             maximise(&fit.runs, &columns, &exact.quieted(fit.at.noise.clone()), &exact).1

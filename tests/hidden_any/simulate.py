@@ -6,6 +6,8 @@ noise. `test_truth.py` holds this against scipy's integrators."""
 import numpy as np
 
 INPUT = {"gain": 1.0, "bias": 0.0, "delay": 0.0, "lag": 0.0, "saturation": 0.0, "rate_limit": 0.0}
+# Times this near, s, are the same: an output's values before and after it jumps.
+SAME_TIME = 1e-9
 OUTPUT = {"gain": 1.0, "offset": 0.0, "delay": 0.0, "lag": 0.0, "drift": 0.0}
 
 
@@ -90,8 +92,11 @@ def simulate(machine, p, times, commands, start, disturb=None):
             fed = {one.name: advance(one, at, max(size, 1e-12)) for one in machine.inputs}
             u0, u, u1, last = ({name: values[place] for name, values in fed.items()} for place in range(4))
             fine_t.append(at)
-            # a sample is taken just before what is commanded at its time acts
+            # a sample is taken just before what is commanded at its time acts; what follows an input at once jumps there
             fine_y.append(machine.outputs(x, before or u, now))
+            if before and gap:
+                fine_t.append(at + SAME_TIME)
+                fine_y.append(machine.outputs(x, u0, now))
             before = last
             if not gap:
                 break
@@ -111,6 +116,9 @@ def sensed(name, p, times, fine_t, fine):
         out = fine.copy()
         for k in range(1, len(fine_t)):
             size = fine_t[k] - fine_t[k - 1]
+            if size <= 2 * SAME_TIME:
+                out[k] = np.where(lag > 0, out[k - 1], fine[k])
+                continue
             tau = np.where(lag > 0, lag, 1.0)
             share = np.exp(-size / tau)
             # exact for a line between the samples

@@ -1,0 +1,65 @@
+"""Logs that begin in the middle of the motion, as they do where somebody presses "record": what acts late was fed before the first row."""
+
+import json
+
+import pytest
+
+from . import sets
+from .machines import ALL
+from .test_doubts import diagnosed
+
+
+def begun(folder, column):
+    """The logs of a set from the first row behind a step of a column on; what is cut off is a fifth or more."""
+    for path in folder.glob("run-*.csv"):
+        head, *rows = path.read_text().splitlines()
+        place = head.split(",").index(column)
+        values = [row.split(",")[place] for row in rows]
+        first = next(row for row in range(len(rows) // 5, len(rows)) if values[row] != values[row - 1])
+        path.write_text("\n".join([head, *rows[first + 1 :]]) + "\n")
+    return folder
+
+
+@pytest.fixture
+def late(tmp_path, monkeypatch):
+    """`late(name, case, shown)`: a set with so large an effect, and its answer."""
+
+    def of(name, case, shown):
+        monkeypatch.setattr(sets, "SHOWN", shown)
+        units = {name: ALL[name].build(ALL[name], tmp_path)}
+        answer = sets.make(ALL[name], case, 1, tmp_path / name, tmp_path / "answers", units)
+        return tmp_path / name, answer["effects"][0]
+
+    return of
+
+
+def named(folder, hidden):
+    """That an effect is named, and nothing else, with its value to a hundredth: where that is eight rows a twelfth of one."""
+    status, said = diagnosed(folder)
+    assert status == 0, said
+    found = json.loads((folder / "found" / "diagnosis.json").read_text())
+    assert found["verdict"] == "named", found["story"]
+    [effect] = found["effects"]
+    assert effect["name"] == hidden["name"]
+    assert effect["value"] == pytest.approx(hidden["value"], rel=0.01)
+
+
+# the largest delay that a machine has, eight rows
+LARGEST = (1e5, 1e6)
+
+
+@pytest.mark.parametrize(("name", "case"), [("sled", "force:delay"), ("reactor", "T_c:delay"), ("drive", "torque:delay")])
+def test_a_late_input_is_named_whatever_was_fed_before_the_log(name, case, late):
+    folder, hidden = late(name, case, LARGEST)
+    named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
+
+
+@pytest.mark.parametrize(("name", "case"), [("cell", "i:lag"), ("reactor", "q:lag"), ("motor", "u:lag")])
+def test_a_slow_input_is_named_wherever_it_was_when_the_log_began(name, case, late):
+    folder, hidden = late(name, case, (300, 3000))
+    named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
+
+
+def test_a_late_sensor_is_named_that_alone_tells_of_hidden_states(late):
+    folder, hidden = late("cell", "v_cell:delay", LARGEST)
+    named(folder, hidden)

@@ -54,12 +54,6 @@ def test_a_late_input_is_named_whatever_was_fed_before_the_log(name, case, late)
     named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
 
 
-@pytest.mark.parametrize(("name", "case"), [("cell", "i:lag"), ("reactor", "q:lag"), ("motor", "u:lag")])
-def test_a_slow_input_is_named_wherever_it_was_when_the_log_began(name, case, late):
-    folder, hidden = late(name, case, (300, 3000))
-    named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
-
-
 def test_a_late_sensor_is_named_that_alone_tells_of_hidden_states(late):
     folder, hidden = late("cell", "v_cell:delay", LARGEST)
     named(folder, hidden)

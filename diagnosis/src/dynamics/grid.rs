@@ -167,30 +167,24 @@ impl Grid {
     /// first. Of those in which what acted came from before the log the last will do.
     pub fn torn(&self, late: &[f64]) -> Vec<bool> {
         let count = self.time.len().saturating_sub(1);
-        let known = self.first_known(late).min(count);
         let lost = self.lost.iter().map(|lost| lost.later(late).intervals(&self.time));
-        let last = known.saturating_sub(1)..known;
-        marked(count, lost.chain(std::iter::once(last)))
+        let last = |rows: Range<usize>| rows.end.saturating_sub(1).max(rows.start)..rows.end.min(count);
+        marked(count, lost.chain(self.fed_before(late).map(last)))
     }
 
     /// Whether each row was read with an input that nobody knows, with each input `late` by so much, s: the first, too, if before its own
     /// inputs acted.
     pub fn rows_with_unknown_input(&self, reading: Reading, late: &[f64]) -> Vec<bool> {
-        let before = usize::from(reading == Reading::Before).max(self.first_known(late));
+        let first = 0..usize::from(reading == Reading::Before).min(self.time.len());
         let rows = self.lost.iter().map(|lost| lost.later(late).rows(&self.time, reading));
-        let first = 0..before.min(self.time.len());
-        marked(self.time.len(), rows.chain(std::iter::once(first)))
+        marked(self.time.len(), rows.chain(self.fed_before(late)).chain(std::iter::once(first)))
     }
 
-    /// The first row at which nothing acts any more that a late input carried before the log began. What is late by less than a row carries in
-    /// a part of one interval, which is worth less than the row is.
-    fn first_known(&self, late: &[f64]) -> usize {
-        let row = self.span() / self.time.len().saturating_sub(1).max(1) as f64;
-        let of = |(course, late): (&Course, &f64)| match course.time.first() {
-            Some(first) if *late >= row => self.time.partition_point(|time| *time < first + late),
-            _ => 0,
-        };
-        self.inputs.iter().zip(late).map(of).max().unwrap_or(0)
+    /// For each input the rows, from where its log begins, at which what acts was fed before that.
+    fn fed_before(&self, late: &[f64]) -> impl Iterator<Item = Range<usize>> {
+        let before = |when: f64| self.time.partition_point(|time| *time < when);
+        let begins = self.inputs.iter().map(|course| course.time.first().copied().unwrap_or(f64::INFINITY));
+        begins.zip(late).map(move |(first, late)| before(first)..before(first + late))
     }
 
     /// Length, s.
@@ -303,8 +297,14 @@ mod tests {
             "row 3 is the first; what is lost comes later, too"
         );
         assert_eq!(blind(2.5)[..4], [0, 1, 2, 54]);
-        assert_eq!((torn(0.9)[0], blind(0.9)[0]), (52, 52), "a part of an interval");
-        assert_eq!((torn(1e3), blind(1e3).len()), (vec![98], 100), "later than the log is long");
+        assert_eq!((torn(0.9)[0], blind(0.9)[0]), (0, 0), "a part of an interval, too");
+        assert_eq!((torn(1e3).first(), blind(1e3).len()), (None, 100), "later than the log is long");
+        // before an input's log begins its first value is taken to hold, late or not
+        let mut grid = grid;
+        grid.inputs[0].time.drain(..20);
+        grid.inputs[0].values.drain(..20);
+        let rows = grid.rows_with_unknown_input(Reading::After, &[2.5]);
+        assert_eq!((0..50).filter(|row| rows[*row]).collect::<Vec<usize>>(), [20, 21, 22]);
     }
 
     #[test]

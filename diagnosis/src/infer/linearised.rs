@@ -53,7 +53,8 @@ pub struct Linearised {
     /// Empty: none is.
     pub torn: Vec<bool>,
     /// Deviance that values would have had which are left out because of where a parameter puts them (before the run's begin, by a
-    /// sensor's delay; or where what acts was fed before it, by an input's): without it a model that leaves them out is likelier, or not, by the unit of measurement.
+    /// sensor's delay; or where what acts was fed before it, by an input's): without it a model that leaves them out is likelier, or not,
+    /// by the unit of measurement.
     pub left_out: f64,
     /// Prior of the deviation of the first row's state: mean and standard deviation (n each).
     pub start: (Vec<f64>, Vec<f64>),

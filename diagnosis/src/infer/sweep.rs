@@ -127,8 +127,10 @@ impl<const N: usize> Interval<N> {
             covariance[n][n] = unlisted.size * unlisted.size * (1.0 - keeps * keeps);
         }
         if run.is_torn(row) {
+            // nothing of what was before: with that beside it a run begun anew would be likelier or not by where it begins
             for (i, sd) in run.start.1.iter().enumerate().take(n) {
-                covariance[i][i] += sd * sd;
+                (transition[i], covariance[i]) = ([0.0; N], [0.0; N]);
+                covariance[i][i] = sd * sd;
             }
         }
         for i in 0..N {

@@ -22,10 +22,11 @@ def begun(folder, column):
 
 @pytest.fixture
 def late(tmp_path, monkeypatch):
-    """`late(name, case, shown)`: a set with so large an effect, and its answer."""
+    """`late(name, case)`: a set with the largest delay that the machine has, eight rows, and what is hidden."""
 
-    def of(name, case, shown):
-        monkeypatch.setattr(sets, "SHOWN", shown)
+    def of(name, case):
+        # more than any shows
+        monkeypatch.setattr(sets, "SHOWN", (1e5, 1e6))
         units = {name: ALL[name].build(ALL[name], tmp_path)}
         answer = sets.make(ALL[name], case, 1, tmp_path / name, tmp_path / "answers", units)
         return tmp_path / name, answer["effects"][0]
@@ -34,7 +35,7 @@ def late(tmp_path, monkeypatch):
 
 
 def named(folder, hidden):
-    """That an effect is named, and nothing else, with its value to a hundredth: where that is eight rows a twelfth of one."""
+    """That an effect is named, and nothing else, with its value to a hundredth, which is a twelfth of a row."""
     status, said = diagnosed(folder)
     assert status == 0, said
     found = json.loads((folder / "found" / "diagnosis.json").read_text())
@@ -44,16 +45,12 @@ def named(folder, hidden):
     assert effect["value"] == pytest.approx(hidden["value"], rel=0.01)
 
 
-# the largest delay that a machine has, eight rows
-LARGEST = (1e5, 1e6)
-
-
 @pytest.mark.parametrize(("name", "case"), [("sled", "force:delay"), ("reactor", "T_c:delay"), ("drive", "torque:delay")])
 def test_a_late_input_is_named_whatever_was_fed_before_the_log(name, case, late):
-    folder, hidden = late(name, case, LARGEST)
+    folder, hidden = late(name, case)
     named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
 
 
 def test_a_late_sensor_is_named_that_alone_tells_of_hidden_states(late):
-    folder, hidden = late("cell", "v_cell:delay", LARGEST)
+    folder, hidden = late("cell", "v_cell:delay")
     named(folder, hidden)

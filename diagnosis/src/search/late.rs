@@ -13,6 +13,12 @@ use crate::infer::likelihood::reduced;
 use crate::observe::OutputEffect;
 use crate::statistics::levels::{HALF, SAMPLE};
 
+/// What was screened along the model's own path: the best, and the path of each run.
+struct Along {
+    best: Vec<Screened>,
+    paths: Vec<Path>,
+}
+
 impl Search<'_> {
     /// Delays of sensors that explain what a model leaves to process noise, each fitted beside its `effects` from where it explains most
     /// along the model's own path. Nothing where process noise takes over too little to matter, or units can't be run without it.
@@ -29,7 +35,7 @@ impl Search<'_> {
             Err(Error::Model(_)) => None,
             Err(error) => return Err(error),
         };
-        let Some((best, paths)) = screened else { return Ok(Vec::new()) };
+        let Some(Along { best, paths }) = screened else { return Ok(Vec::new()) };
         let mut found = Vec::new();
         for Screened { chord, .. } in best {
             let mut start = At { paths: paths.clone(), ..from.at.clone() };
@@ -40,13 +46,8 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// The best of these chords along the path that a fit's parameters make without process noise, and that path; nothing where that leaves
-    /// hardly more.
-    fn screened_along_the_model(
-        &self,
-        from: &Fit,
-        chords: Vec<Chord>,
-    ) -> Result<Option<(Vec<Screened>, Vec<Path>)>, Error> {
+    /// The best of these chords along the path that a fit's parameters make without process noise; nothing where that leaves hardly more.
+    fn screened_along_the_model(&self, from: &Fit, chords: Vec<Chord>) -> Result<Option<Along>, Error> {
         let (engine, exact, theta) = (self.engine, self.without_process(), &from.at.theta);
         let noise = exact.quieted(from.at.noise.clone());
         let paths = engine.first_paths(theta, &noise)?;
@@ -62,7 +63,7 @@ impl Search<'_> {
         let mut best = ranked(engine, &along, &Screen { runs, chords, whole }, &exact, &self.policy);
         best.truncate(self.policy.fitted);
         best.retain(|one| one.gain > self.policy.gain);
-        Ok(Some((best, along.at.paths)))
+        Ok(Some(Along { best, paths: along.at.paths }))
     }
 
     /// A delay of each sensor that none of these effects delays, by every number of rows that there may be: between rows, since at a row an

@@ -119,8 +119,12 @@ fn dense(run: &Linearised, noise: &Noise) -> Dense {
             break;
         }
         let dt = run.interval(row);
-        let a = DMatrix::from_fn(n, n, |i, j| run.transition[row * n * n + i * n + j]);
-        let g = (DMatrix::identity(n, n) + &a) * (0.5 * dt);
+        let mut a = DMatrix::from_fn(n, n, |i, j| run.transition[row * n * n + i * n + j]);
+        let mut g = (DMatrix::identity(n, n) + &a) * (0.5 * dt);
+        if run.is_torn(row) {
+            // begun anew: nothing of what was before, nor of what acts within
+            (a, g) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+        }
         let keeps = noise.disturbance.map_or(0.0, |d| (-dt / d.memory).exp());
         let mut whole = DMatrix::zeros(wide, wide);
         whole.view_mut((0, 0), (n, n)).copy_from(&a);

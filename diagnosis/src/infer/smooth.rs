@@ -5,7 +5,7 @@
 
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::sweep::{Interval, Kept, MOST_STATES, dimension, sweep_kept};
+use super::sweep::{Interval, Kept, MOST_STATES, dimension, direction, sweep_kept};
 
 /// What is most likely, given all values of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,14 +84,11 @@ fn processed<const N: usize>(
     adjoint: &[f64; N],
     into: &mut [f64],
 ) {
-    let (n, dt) = (run.states, run.interval(row));
-    let a = &run.transition[row * n * n..(row + 1) * n * n];
+    let dt = run.interval(row);
     for (equation, into) in into.iter_mut().enumerate() {
         // a sensor's lag has none
         let q = noise.process.get(equation).copied().unwrap_or(0.0);
-        let along: f64 = (0..n)
-            .map(|i| 0.5 * dt * (a[i * n + equation] + if i == equation { 1.0 } else { 0.0 }) * adjoint[i])
-            .sum();
+        let along: f64 = (0..run.states).map(|i| direction(run, row, equation, i) * adjoint[i]).sum();
         *into = -q * q / dt * along;
     }
 }

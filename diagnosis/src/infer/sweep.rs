@@ -142,9 +142,12 @@ impl<const N: usize> Interval<N> {
     }
 }
 
-/// Gᵢ of the interval after a row: where a rate of one equation held over it leads.
+/// Gᵢ of the interval after a row: where a rate of one equation held over it leads; nowhere where the state behind it is begun anew.
 #[inline]
 pub fn direction(run: &Linearised, row: usize, equation: usize, i: usize) -> f64 {
+    if run.is_torn(row) {
+        return 0.0;
+    }
     let a = run.transition[(row * run.states + i) * run.states + equation];
     0.5 * run.interval(row) * (a + if i == equation { 1.0 } else { 0.0 })
 }

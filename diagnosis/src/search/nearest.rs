@@ -11,6 +11,7 @@ use crate::dynamics::Engine;
 use crate::dynamics::linearise::Chord;
 use crate::dynamics::machine::Role;
 use crate::error::Error;
+use crate::infer::sweep::direction;
 use crate::infer::{Disturbance, Fit, Linearised, smooth};
 use crate::observe::InputEffect;
 use crate::statistics::levels::HALF;
@@ -175,17 +176,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// What an effect does in each interval of a run, as the unlisted input that comes nearest to it.
 fn likened(run: &Linearised, column: usize, unlisted: &Disturbance, scales: &[f64]) -> Vec<f64> {
-    let n = run.states;
     let of = |row: usize| {
-        if run.is_torn(row) {
-            return 0.0;
-        }
         let (mut along, mut square) = (0.0, 0.0);
         // states behind those with a scale are lags of sensors, which no input drives
         for (state, (drive, scale)) in run.column(row, column).iter().zip(scales).enumerate() {
-            let own = if state == unlisted.equation { 1.0 } else { 0.0 };
-            let a = run.transition[(row * n + state) * n + unlisted.equation];
-            let by = 0.5 * run.interval(row) * (own + a) / scale;
+            let by = direction(run, row, unlisted.equation, state) / scale;
             along += by * drive / scale;
             square += by * by;
         }

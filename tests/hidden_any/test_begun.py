@@ -20,6 +20,18 @@ def begun(folder, column):
     return folder
 
 
+def without_first_cells(folder, column):
+    """The logs of a set with the first 40 cells of a column left empty, as where its logger was started later."""
+    for path in folder.glob("run-*.csv"):
+        head, *rows = path.read_text().splitlines()
+        place = head.split(",").index(column)
+        cells = [row.split(",") for row in rows]
+        for row in cells[:40]:
+            row[place] = ""
+        path.write_text("\n".join([head, *map(",".join, cells)]) + "\n")
+    return folder
+
+
 @pytest.fixture
 def late(tmp_path, monkeypatch):
     """`late(name, case)`: a set with the largest delay that the machine has, eight rows, and what is hidden."""
@@ -49,6 +61,17 @@ def named(folder, hidden):
 def test_a_late_input_is_named_whatever_was_fed_before_the_log(name, case, late):
     folder, hidden = late(name, case)
     named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
+
+
+@pytest.mark.parametrize(("name", "case"), [("cell", "i:lag"), ("reactor", "q:lag")])
+def test_a_slow_input_is_named_wherever_it_was_when_the_log_began(name, case, late):
+    folder, hidden = late(name, case)
+    named(begun(folder, case.split(":")[0] + "_cmd"), hidden)
+
+
+def test_a_late_input_is_named_whatever_was_fed_before_its_own_log(late):
+    folder, hidden = late("sled", "force:delay")
+    named(without_first_cells(begun(folder, "force_cmd"), "force_cmd"), hidden)
 
 
 def test_a_late_sensor_is_named_that_alone_tells_of_hidden_states(late):

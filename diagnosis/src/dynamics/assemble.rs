@@ -1,12 +1,13 @@
 //! A linearised run of the differences of its rows. Effects at inputs follow by the chain rule from the mean of what is fed; effects at
 //! outputs are exact.
 
+use super::input_begin::{Begin, as_states};
 use super::lag;
 use super::linearise::{Chord, RowParts, RunAt, difference};
 use super::machine::Role;
 use super::schedule::{Placed, Schedule, output_effects};
 use crate::infer::{Linearised, Measured};
-use crate::observe::{OutputEffect, Reading};
+use crate::observe::{InputEffect, OutputEffect, Reading};
 use crate::ports::output;
 
 /// A run with the differences of its rows, and what effects at ports change.
@@ -34,8 +35,12 @@ struct Fed {
 impl<'a> Assembly<'a> {
     pub fn new(about: RunAt<'a>, parts: &'a [RowParts], moved: Vec<usize>) -> Self {
         Self {
-            fed: about.chords.iter().map(|chord| about.fed_difference(chord)).collect(),
-            sensed: about.chords.iter().map(|chord| about.sensed(parts, chord)).collect(),
+            fed: (about.chords.iter().map(|chord| about.fed_difference(chord)))
+                .chain(about.begins.iter().map(|begin| Some(about.fed_at_begin(begin))))
+                .collect(),
+            sensed: (about.chords.iter().map(|chord| about.sensed(parts, chord)))
+                .chain(about.begins.iter().map(|_| None))
+                .collect(),
             effects: output_effects(&about.engine.machine, about.theta),
             about,
             parts,
@@ -43,12 +48,12 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The run, with a state more for each sensor that lags.
+    /// The run, with a state more for each sensor and each input that lags.
     pub fn linearised(&self) -> Linearised {
-        let RunAt { engine, run, grid, path, chords, schedule, .. } = self.about;
+        let RunAt { engine, run, grid, path, begins, schedule, .. } = self.about;
         let mut out = Linearised {
             states: engine.machine.order(),
-            parameters: chords.len(),
+            parameters: self.columns(),
             time: grid.time.clone(),
             first: vec![0],
             torn: grid.torn(&schedule.late),
@@ -58,19 +63,31 @@ impl<'a> Assembly<'a> {
         self.add_intervals(&mut out);
         self.add_values(&mut out);
         let lags = lag::active(&engine.machine, self.about.theta);
-        if lags.is_empty() { out } else { self.augmented(out, &lags) }
+        let out = if lags.is_empty() { out } else { self.augmented(out, &lags) };
+        let sds: Vec<f64> = begins.iter().map(|begin| begin.sd).collect();
+        if sds.is_empty() { out } else { as_states(&out, &sds) }
+    }
+
+    /// Columns: the chords', and one for each begin of an input's lag.
+    pub fn columns(&self) -> usize {
+        self.about.chords.len() + self.about.begins.len()
+    }
+
+    /// What a column is of.
+    fn role(&self, place: usize) -> Role {
+        let RunAt { engine, chords, begins, .. } = self.about;
+        let begun = || Role::Input(begins[place - chords.len()].input, InputEffect::Lag);
+        chords.get(place).map_or_else(begun, |chord| engine.machine.parameters[chord.parameter].role)
     }
 
     /// ∂(entry of a row)/∂θ of one chord, an entry of what [`super::worker::Worker::interval`] gives.
     pub fn column(&self, row: usize, place: usize, entry: usize) -> f64 {
         let machine = &self.about.engine.machine;
-        match machine.parameters[self.about.chords[place].parameter].role {
-            Role::Unit(_) => self.parts[row].simulated[place][entry],
-            Role::Output(..) => 0.0,
-            Role::Input(..) if !self.parts[row].simulated[place].is_empty() => {
-                self.parts[row].simulated[place][entry]
-            }
-            Role::Input(input, _) => {
+        let simulated = self.parts[row].simulated.get(place).filter(|column| !column.is_empty());
+        match (self.role(place), simulated) {
+            (Role::Unit(_), None) | (Role::Output(..), _) => 0.0,
+            (Role::Unit(_) | Role::Input(..), Some(column)) => column[entry],
+            (Role::Input(input, _), None) => {
                 let (Some(fed), Some(slot)) =
                     (&self.fed[place], self.moved.iter().position(|known| *known == input))
                 else {
@@ -113,7 +130,7 @@ impl<'a> Assembly<'a> {
 
     /// A measured value against the path; `left_out`: the model says nothing of it.
     fn add_value(&self, at: &Placed, left_out: bool, out: &mut Linearised) {
-        let RunAt { engine, run, grid, chords, .. } = self.about;
+        let RunAt { engine, run, grid, .. } = self.about;
         let (row, sample) = (at.row, grid.samples[at.sample]);
         let (n, channels) = (engine.machine.order(), engine.machine.channels.len());
         let effect = self.effects[sample.channel];
@@ -134,24 +151,24 @@ impl<'a> Assembly<'a> {
             weight: if left_out || outlier { 0.0 } else { 1.0 },
         });
         out.observe.extend(self.parts[row].states.iter().map(|column| effect.gain * column[entry]));
-        for (place, chord) in chords.iter().enumerate() {
+        for place in 0..self.columns() {
             let through = effect.gain * self.column(row, place, entry);
             let late = |_| self.sensed[place].as_ref().map_or(-slope, |by| by[row]);
-            out.direct.push(through + self.at_port(chord, sample.channel, value, since, late));
+            out.direct.push(through + self.at_port(place, sample.channel, value, since, late));
         }
     }
 
-    /// What a chord of an effect at a channel changes of one value of it: `since` the log's begin, s; `late` is what a later reading
+    /// What a column of an effect at a channel changes of one value of it: `since` the log's begin, s; `late` is what a later reading
     /// changes, per s.
     pub fn at_port(
         &self,
-        chord: &Chord,
+        place: usize,
         channel: usize,
         value: f64,
         since: f64,
         late: impl FnOnce(OutputEffect) -> f64,
     ) -> f64 {
-        match self.about.engine.machine.parameters[chord.parameter].role {
+        match self.role(place) {
             Role::Output(own, kind) if own == channel => {
                 self.effects[channel].sensitivity(kind, value, since, late(kind))
             }
@@ -191,6 +208,17 @@ impl RunAt<'_> {
             mean: difference(&there.mean, &self.schedule.mean, chord.per),
             at_row: difference(&there.at_row, &self.schedule.at_row, chord.per),
         })
+    }
+
+    /// What a unit of what an input's lag held when the log began changes of what is fed.
+    fn fed_at_begin(&self, begin: &Begin) -> Fed {
+        let width = self.schedule.width;
+        let spread = |own: &[f64]| {
+            let mut all = vec![0.0; own.len() * width];
+            own.iter().enumerate().for_each(|(row, value)| all[row * width + begin.input] = *value);
+            all
+        };
+        Fed { mean: spread(&begin.mean), at_row: spread(&begin.at_row) }
     }
 
     /// What a chord of a delay or lag at an output changes of its channel, row by row: along the path where it has none yet.

@@ -51,7 +51,7 @@ pub struct Grid {
 pub struct Lost {
     /// Place among [`Machine::inputs`].
     pub input: usize,
-    /// The row before it, s.
+    /// The row before it, s; -∞ before an input's own log begins.
     pub from: f64,
     /// The row after it, s.
     pub to: f64,
@@ -101,6 +101,7 @@ fn lost(time: &[f64], inputs: &[(bool, &Course)]) -> Vec<Lost> {
         if !logged || own >= DYNAMICS.missing * row {
             return Vec::new();
         }
+        let begun = before_its_log(input, time, course);
         let lacks = |place: &usize| {
             let long = (course.time[place + 1] - course.time[*place]) / own;
             let other = course.hold == Hold::Zero && course.values[*place] != course.values[place + 1];
@@ -108,13 +109,19 @@ fn lost(time: &[f64], inputs: &[(bool, &Course)]) -> Vec<Lost> {
         };
         let places: Vec<usize> = (0..course.time.len() - 1).filter(lacks).collect();
         if places.len() as f64 > DYNAMICS.seldom * course.time.len() as f64 {
-            return Vec::new();
+            return Vec::from_iter(begun);
         }
         let one =
             |place: usize| Lost { input, from: course.time[place], to: course.time[place + 1], usual: own };
-        places.into_iter().map(one).collect()
+        begun.into_iter().chain(places.into_iter().map(one)).collect()
     };
     inputs.iter().enumerate().flat_map(of).collect()
+}
+
+/// The rows before an input's own log begins.
+fn before_its_log(input: usize, time: &[f64], course: &Course) -> Option<Lost> {
+    let (first, to, usual) = (*time.first()?, *course.time.first()?, usual(&course.time));
+    (to - first > DYNAMICS.missing * usual).then_some(Lost { input, from: f64::NEG_INFINITY, to, usual })
 }
 
 /// Times of rows, of all values' in their order.
@@ -276,6 +283,26 @@ mod tests {
     }
 
     #[test]
+    fn law_nobody_knows_an_input_before_its_own_log_begins() {
+        let time: Vec<f64> = (0..100).map(f64::from).collect();
+        let begins = |at: usize| {
+            let mut course = gap(1.0, true, Hold::Zero);
+            course.time.drain(..at);
+            course.values.drain(..at);
+            let lost = lost(&time, &[(true, &course)]);
+            let grid = Grid { time: time.clone(), inputs: vec![course], lost, ..Grid::default() };
+            let count = |rows: &[bool]| rows.iter().take_while(|row| **row).count();
+            [0.0, 7.0].map(|late| {
+                let blind = grid.rows_with_unknown_input(Reading::After, &[late]);
+                (count(&blind), count(&grid.torn(&[late])))
+            })
+        };
+        assert_eq!(begins(20), [(20, 20), (27, 27)]);
+        // a clock of its own, and no row that is missing
+        assert_eq!(begins(1)[0], (0, 0));
+    }
+
+    #[test]
     fn law_a_late_input_carries_in_what_was_there_before_the_log() {
         let time: Vec<f64> = (0..100).map(f64::from).collect();
         let course = gap(1.0, true, Hold::Zero);
@@ -299,7 +326,7 @@ mod tests {
         assert_eq!(blind(2.5)[..4], [0, 1, 2, 54]);
         assert_eq!((torn(0.9)[0], blind(0.9)[0]), (0, 0), "a part of an interval, too");
         assert_eq!((torn(1e3).first(), blind(1e3).len()), (None, 100), "later than the log is long");
-        // before an input's log begins its first value is taken to hold, late or not
+        // what was fed before an input's own log acts behind where that begins
         let mut grid = grid;
         grid.inputs[0].time.drain(..20);
         grid.inputs[0].values.drain(..20);

@@ -4,7 +4,7 @@
 //! along the path from where it had settled at the run's begin, since all that depends on ℓ is linear in it.
 
 use super::assemble::Assembly;
-use super::linearise::{Chord, RunAt};
+use super::linearise::RunAt;
 use super::machine::{Machine, Role};
 use crate::infer::{Linearised, Measured};
 use crate::observe::{OutputEffect, Reading};
@@ -117,7 +117,7 @@ struct LagStep {
     by_states: Vec<f64>,
     /// ∂ℓ(k+1)/∂ℓ(k).
     keeps: f64,
-    /// ∂ℓ(k+1)/∂θ, a number a chord.
+    /// ∂ℓ(k+1)/∂θ, a number a column.
     drive: Vec<f64>,
     /// What the path's defect changes of ℓ(k+1).
     defect: f64,
@@ -168,11 +168,12 @@ impl Assembly<'_> {
             let through: f64 = (0..n).map(|i| next[i] * a[i * n + j]).sum();
             course.read(&|entry| column[entry], &shares) + last * through
         };
-        let by_chord = |(place, chord): (usize, &Chord)| {
+        let by_column = |place: usize| {
             let at_end = self.column(row + 1, place, n + lag.channel);
             let mut drive = course.read(&|entry| self.column(row, place, entry), &shares)
                 + last * (at_end + through(plain.column(row, place)));
-            if chord.parameter == lag.parameter {
+            if let Some(chord) = self.about.chords.get(place).filter(|chord| chord.parameter == lag.parameter)
+            {
                 let (keeps_there, there) = course.weighed(chord.to);
                 let by: Vec<f64> = there.iter().zip(&shares).map(|(to, from)| to - from).collect();
                 let end = by[by.len() - 1] * values[row + 1];
@@ -184,7 +185,7 @@ impl Assembly<'_> {
         LagStep {
             by_states: here.states.iter().enumerate().map(by_state).collect(),
             keeps,
-            drive: self.about.chords.iter().enumerate().map(by_chord).collect(),
+            drive: (0..self.columns()).map(by_column).collect(),
             defect: last * through(&plain.defect[row * n..(row + 1) * n]),
             shown: keeps * shown + course.read(&|entry| here.base[entry], &shares) + last * values[row + 1],
         }
@@ -240,7 +241,7 @@ impl Assembly<'_> {
 
     /// A value that is read off a lag's state, where it is delayed along a line to the next row.
     fn read_off_lag(&self, value: usize, slot: usize, shown: &[f64], out: &mut Linearised) {
-        let RunAt { engine, grid, schedule, chords, .. } = self.about;
+        let RunAt { engine, grid, schedule, .. } = self.about;
         let (wide, p, own) = (out.states, out.parameters, engine.machine.order() + slot);
         let (row, sample) = (schedule.placed[value].row, grid.samples[schedule.placed[value].sample]);
         let effect = self.effects[sample.channel];
@@ -266,11 +267,11 @@ impl Assembly<'_> {
             let there = if share > 0.0 { share * out.transition[(row * wide + own) * wide + j] } else { 0.0 };
             out.observe[value * wide + j] = effect.gain * (here + there);
         }
-        for (place, chord) in chords.iter().enumerate() {
+        for place in 0..p {
             let drive = if share > 0.0 { share * out.drive[(row * p + place) * wide + own] } else { 0.0 };
             // a lag changes the state that stands for it
             let late = |kind| if kind == OutputEffect::Lag { 0.0 } else { -slope };
-            let at_port = self.at_port(chord, sample.channel, level, since, late);
+            let at_port = self.at_port(place, sample.channel, level, since, late);
             out.direct[value * p + place] = effect.gain * drive + at_port;
         }
     }

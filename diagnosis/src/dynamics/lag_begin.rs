@@ -12,7 +12,7 @@ impl Assembly<'_> {
     /// in its lag, so that one that forgets within a row is as likely as none. One whose first value says that it was switched on with the
     /// log may have begun anywhere.
     pub(super) fn begins(&self, run: &Linearised, lag: &Lag, values: &[f64]) -> (Option<Follows>, f64) {
-        let RunAt { engine, grid, schedule, chords, .. } = self.about;
+        let RunAt { engine, grid, schedule, .. } = self.about;
         let (n, first, sensor) = (engine.machine.order(), values[0], engine.sensors[lag.channel]);
         let rms = |squares: &mut dyn Iterator<Item = f64>, count: usize| {
             (squares.sum::<f64>() / count.max(1) as f64).sqrt()
@@ -32,7 +32,7 @@ impl Assembly<'_> {
         }
         let here = &self.parts[0].states;
         let by = here.iter().map(|column| column[n + lag.channel]).collect();
-        let direct = (0..chords.len()).map(|place| self.column(0, place, n + lag.channel)).collect();
+        let direct = (0..self.columns()).map(|place| self.column(0, place, n + lag.channel)).collect();
         (Some(Follows { state: run.start.0.len(), by, direct }), behind)
     }
 }

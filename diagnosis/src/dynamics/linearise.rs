@@ -5,6 +5,7 @@
 
 use super::assemble::Assembly;
 use super::grid::Grid;
+use super::input_begin::{self, Begin};
 use super::lag;
 use super::machine::{Machine, Reference, Role};
 use super::policy::DYNAMICS;
@@ -128,18 +129,19 @@ impl Engine {
             return self.whole(run, theta, path, chords);
         }
         let grid = &self.grids[run];
-        let wide = self.machine.order() + lag::active(&self.machine, theta).len();
+        let schedule = Schedule::new(&self.machine, grid, theta);
+        let begins = input_begin::begins(&self.machine, grid, &schedule, theta, &self.sensors);
+        let wide = self.machine.order() + lag::active(&self.machine, theta).len() + begins.len();
         if wide > MOST_STATES - 1 {
             let most = MOST_STATES - 1;
             return Err(Error::Model(format!(
-                "{wide} states with the sensors' lags; this way follows at most {most}"
+                "{wide} states with the ports' lags; this way follows at most {most}"
             )));
         }
-        let schedule = Schedule::new(&self.machine, grid, theta);
-        let beside = self.beside(grid, theta, chords);
+        let (beside, begins) = (&self.beside(grid, theta, chords), &begins[..]);
         let about =
-            RunAt { engine: self, run, grid, schedule: &schedule, beside: &beside, theta, path, chords };
-        let moved = self.moved_inputs(chords);
+            RunAt { engine: self, run, grid, schedule: &schedule, beside, theta, path, chords, begins };
+        let moved = self.moved_inputs(&about);
         let parts = about.differences(&moved)?;
         Ok(Assembly::new(about, &parts, moved).linearised())
     }
@@ -160,11 +162,11 @@ impl Engine {
         chords.iter().map(schedule).collect()
     }
 
-    /// Inputs at which a chord changes an effect.
-    fn moved_inputs(&self, chords: &[Chord]) -> Vec<usize> {
+    /// Inputs at which a chord changes an effect, or where a lag begins.
+    fn moved_inputs(&self, about: &RunAt<'_>) -> Vec<usize> {
         let touched = |input: &usize| {
             let at = |chord: &Chord| matches!(self.machine.parameters[chord.parameter].role, Role::Input(place, _) if place == *input);
-            chords.iter().any(at)
+            about.chords.iter().any(at) || about.begins.iter().any(|begin| begin.input == *input)
         };
         (0..self.machine.inputs.len()).filter(touched).collect()
     }
@@ -195,10 +197,12 @@ pub(super) struct RunAt<'a> {
     pub path: &'a Path,
     /// Columns of the linearised run, in their order.
     pub chords: &'a [Chord],
+    /// Columns behind them: where the inputs' lags begin.
+    pub begins: &'a [Begin],
 }
 
 impl RunAt<'_> {
-    /// Differences of all rows, on all threads; `moved` are the inputs at which a chord changes an effect.
+    /// Differences of all rows, on all threads; `moved` are the inputs at which a column changes something.
     fn differences(&self, moved: &[usize]) -> Result<Vec<RowParts>, Error> {
         let rows = self.grid.time.len();
         let tasks: Vec<usize> = (0..rows).step_by(TASK).collect();

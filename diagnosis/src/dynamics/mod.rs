@@ -23,6 +23,7 @@
 //! - `memory.rs`: whether a unit remembers more than the states that can be set
 //! - `whole_runs.rs`: units that nothing can start within a run
 //! - `lag.rs`, `lag_begin.rs`: a sensor's lag, one more state, and where it begins
+//! - `input_begin.rs`: what an input's lag held when the log began
 //! - `at_once.rs`: outputs that follow an input without a state between them
 //! - `interval.rs`: one interval about a state, with its derivatives
 //! - `first_path.rs`: a path to begin with, by an extended Kalman filter
@@ -35,6 +36,7 @@ mod clock;
 pub mod first_path;
 pub mod grid;
 mod growth;
+mod input_begin;
 mod interval;
 mod lag;
 mod lag_begin;
@@ -63,9 +65,9 @@ pub fn sensed(time: &[f64], values: &[f64], delay: f64, lag: f64) -> Vec<f64> {
     lag::lagged(time, &late, &late, lag)
 }
 
-/// Whether no sensor lags for these parameters: then a run has the states of the units and no others.
+/// Whether nothing lags at a port for these parameters: then a run has the states of the units and no others.
 pub fn plain(machine: &Machine, theta: &[f64]) -> bool {
-    lag::active(machine, theta).is_empty()
+    lag::active(machine, theta).is_empty() && input_begin::lagging(machine, theta).is_empty()
 }
 
 pub use linearise::Engine;

@@ -36,9 +36,9 @@ pub(super) fn states(machine: &Machine) -> Vec<State> {
     machine.channels.iter().enumerate().map(own).collect()
 }
 
-/// Times between which each piece of a stretch lies: from where what was logged last no longer holds.
-fn pieces(lost: &Lost) -> Vec<(f64, f64)> {
-    let from = lost.from + lost.usual;
+/// Times between which each piece of a stretch lies: from where what was logged last no longer holds, or the run begins.
+fn pieces(lost: &Lost, begin: f64) -> Vec<(f64, f64)> {
+    let from = begin.max(lost.from + lost.usual);
     let count = (((lost.to - from) / lost.usual).round() as usize).clamp(1, DYNAMICS.lost_pieces);
     let at = |piece: usize| from + (lost.to - from) * piece as f64 / count as f64;
     (0..count).map(|piece| (at(piece), at(piece + 1))).collect()
@@ -203,7 +203,8 @@ impl Engine {
         let mut lost: Vec<&Lost> =
             grid.lost.iter().filter(|lost| lost.to > begin && lost.from < end).collect();
         lost.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
-        let each = lost.iter().flat_map(|lost| pieces(lost).into_iter().map(|piece| (lost.input, piece)));
+        let each =
+            lost.iter().flat_map(|lost| pieces(lost, begin).into_iter().map(|piece| (lost.input, piece)));
         let room = MOST_STATES - 1 - self.whole_states()?;
         let all: Vec<(usize, (f64, f64))> = each.take(room).collect();
         let shows = |(input, piece): &(usize, (f64, f64))| -> Result<Vec<f64>, Error> {
@@ -300,12 +301,14 @@ mod tests {
     fn law_each_piece_of_an_unknown_stretch_moves_the_mean_of_the_input_and_nothing_else() {
         let lost = Lost { input: 0, from: 3.0, to: 9.0, usual: 1.0 };
         let (time, values) = (vec![0.0, 1.0, 2.0, 3.0, 9.0, 10.0], vec![1.0, 4.0, 4.0, 2.0, 7.0, 7.0]);
-        assert_eq!(pieces(&lost).first().map(|piece| piece.0), Some(4.0), "until then row 3 holds");
-        assert_eq!(pieces(&lost).last().map(|piece| piece.1), Some(9.0));
-        assert_eq!(pieces(&Lost { to: 5.0, ..lost }), [(4.0, 5.0)], "one row, one piece");
+        assert_eq!(pieces(&lost, 0.0).first().map(|piece| piece.0), Some(4.0), "until then row 3 holds");
+        assert_eq!(pieces(&lost, 0.0).last().map(|piece| piece.1), Some(9.0));
+        assert_eq!(pieces(&Lost { to: 5.0, ..lost }, 0.0), [(4.0, 5.0)], "one row, one piece");
+        let before = Lost { from: f64::NEG_INFINITY, to: 2.0, ..lost };
+        assert_eq!(pieces(&before, 0.0), [(0.0, 1.0), (1.0, 2.0)], "from where the run begins");
         for hold in [Hold::Zero, Hold::Linear] {
             let own = Course { time: time.clone(), values: values.clone(), hold };
-            for (from, to) in pieces(&lost) {
+            for (from, to) in pieces(&lost, 0.0) {
                 let other = moved(&own, (from, to), 10.0);
                 let inside = |at: f64| at > from && at < to;
                 for at in (0..100).map(|part| 0.1 * f64::from(part) + 0.05) {
@@ -324,7 +327,7 @@ mod tests {
     #[test]
     fn value_an_unknown_stretch_is_no_more_than_what_units_remember_of_it() {
         // rows that lack, and pieces: each is an unknown of the fit, and most units remember two or three states of it
-        let count = |rows: f64| pieces(&Lost { input: 0, from: 3.0, to: 4.0 + rows, usual: 1.0 }).len();
+        let count = |rows: f64| pieces(&Lost { input: 0, from: 3.0, to: 4.0 + rows, usual: 1.0 }, 0.0).len();
         assert_eq!([1.0, 2.0, 3.0, 4.0, 200.0].map(count), [1, 2, 3, 3, 3]);
     }
 

@@ -32,7 +32,71 @@ def variants(machine, changes):
 def held(times, values, at, hold):
     if hold == "linear":
         return np.interp(at, times, values)
-    return values[np.clip(np.searchsorted(times, at + 1e-9, side="right") - 1, 0, len(values) - 1)]
+    return values[at_row(times, at)]
+
+
+def at_row(times, at):
+    """The row that holds at a time."""
+    return within(np.searchsorted(times, at + 1e-9, side="right") - 1, 0, len(times) - 1)
+
+
+def within(values, least, most):
+    """As numpy.clip, which takes three times as long for as few values as there are variants."""
+    return np.minimum(np.maximum(values, least), most)
+
+
+class Input:
+    """What becomes of one input on its way, for all variants at once; `advance` goes on by a substep."""
+
+    def __init__(self, one, p, times, commanded):
+        self.hold, self.times, self.commanded = one.hold, times, commanded
+        self.delay, self.rate, self.lag = (p[f"{one.name}:{kind}"] for kind in ("delay", "rate_limit", "lag"))
+        self.gain, self.bias, top = (p[f"{one.name}:{kind}"] for kind in ("gain", "bias", "saturation"))
+        self.saturates = top > 0
+        self.top = np.where(self.saturates, top, 1) if np.any(self.saturates) else None
+        self.is_limited, self.lags = self.rate > 0, self.lag > 0
+        self.is_plain = not np.any(self.is_limited) and not np.any(self.lags)
+        self.tau, self.is_bent = np.where(self.lags, self.lag, 1), self.is_limited | self.lags
+        self.limited = self.lagged = None
+
+    def raw(self, at):
+        wanted = held(self.times, self.commanded, at - self.delay, self.hold)
+        return wanted if self.top is None else np.where(self.saturates, within(wanted, -self.top, self.top), wanted)
+
+    def mean(self, at, size):
+        """Mean and slope over a substep, in which a held input may jump once: a delay is no whole number of substeps. A line with
+        the jump's own mean and first moment is as good as the jump to the third order."""
+        if self.hold == "linear":
+            return self.raw(at + size / 2), 0.0
+        before, after = self.raw(at), self.raw(at + size)
+        jump = self.times[at_row(self.times, at + size - self.delay)] + self.delay
+        share = within((jump - at) / size, 0.0, 1.0)
+        return share * before + (1 - share) * after, 6 * share * (1 - share) * (after - before)
+
+    def advance(self, at, size):
+        """The input for the stages at begin, middle and end of a substep, and what it is just before its end; the memory of rate limit
+        and lag goes there."""
+        wanted, slope = self.mean(at, size)
+        # `held` takes times for the same that differ by 1e-9 s
+        last = self.raw(at + size if self.hold == "linear" else at + 0.999 * size)
+        acting, tilt = wanted, 0.5 * slope
+        if not self.is_plain:
+            acting, tilt, last = self.remembered(at, size, wanted, tilt, last)
+        return [self.gain * value + self.bias for value in (acting - tilt, acting, acting + tilt, last)]
+
+    def remembered(self, at, size, wanted, tilt, last):
+        """What rate limit and lag make of it."""
+        if self.limited is None:
+            self.limited = self.lagged = self.raw(at)
+        step = np.where(self.is_limited, self.rate * size, np.inf)
+        now = self.limited + within(wanted - self.limited, -step, step)
+        middle = np.where(self.is_limited, 0.5 * (self.limited + now), wanted)
+        share = np.where(self.lags, np.exp(-size / self.tau), 0.0)
+        # the mean of the exponential
+        acting = middle + (self.lagged - middle) * (1.0 - share) * np.where(self.lags, self.lag, 0.0) / size
+        self.limited, self.lagged = now, middle + (self.lagged - middle) * share
+        last = np.where(self.lags, self.lagged, np.where(self.is_limited, now, last))
+        return acting, np.where(self.is_bent, 0.0, tilt), last
 
 
 def simulate(machine, p, times, commands, start, disturb=None):
@@ -40,47 +104,8 @@ def simulate(machine, p, times, commands, start, disturb=None):
     [state] or arrays over variants; `disturb(t)` gives {extra: value}."""
     count = len(next(iter(p.values())))
     x = np.array([np.broadcast_to(np.asarray(value, float), count) for value in start])
-    lagged, limited = {}, {}
     fine_t, fine_y = [], []
-    commanded = {one.name: np.asarray(commands[one.name], float) for one in machine.inputs}
-
-    def raw(one, at):
-        wanted = held(times, commanded[one.name], at - p[f"{one.name}:delay"], one.hold)
-        top = p[f"{one.name}:saturation"]
-        return np.where(top > 0, np.clip(wanted, -np.where(top > 0, top, 1), np.where(top > 0, top, 1)), wanted)
-
-    def mean(one, at, size):
-        """Mean and slope over a substep, in which a held input may jump once: a delay is no whole number of substeps. A line with
-        the jump's own mean and first moment is as good as the jump to the third order."""
-        if one.hold == "linear":
-            return raw(one, at + size / 2), 0.0
-        delay = p[f"{one.name}:delay"]
-        before, after = raw(one, at), raw(one, at + size)
-        jump = times[np.clip(np.searchsorted(times, at + size - delay + 1e-9, side="right") - 1, 0, len(times) - 1)] + delay
-        share = np.clip((jump - at) / size, 0.0, 1.0)
-        return share * before + (1 - share) * after, 6 * share * (1 - share) * (after - before)
-
-    def advance(one, at, size):
-        """The input for the stages at begin, middle and end of a substep, and what it is just before its end; the memory of rate limit
-        and lag goes there."""
-        (wanted, slope), name = mean(one, at, size), one.name
-        rate, lag = p[f"{name}:rate_limit"], p[f"{name}:lag"]
-        if name not in limited:
-            limited[name], lagged[name] = raw(one, at), raw(one, at)
-        step = np.where(rate > 0, rate * size, np.inf)
-        now = limited[name] + np.clip(wanted - limited[name], -step, step)
-        middle = np.where(rate > 0, 0.5 * (limited[name] + now), wanted)
-        share = np.where(lag > 0, np.exp(-size / np.where(lag > 0, lag, 1)), 0.0)
-        # the mean of the exponential
-        acting = middle + (lagged[name] - middle) * (1.0 - share) * np.where(lag > 0, lag, 0.0) / size
-        limited[name], lagged[name] = now, middle + (lagged[name] - middle) * share
-        tilt = np.where((rate > 0) | (lag > 0), 0.0, 0.5 * slope)
-        # `held` takes times for the same that differ by 1e-9 s
-        ends = raw(one, at + size if one.hold == "linear" else at + 0.999 * size)
-        last = np.where(lag > 0, lagged[name], np.where(rate > 0, now, ends))
-        stages = [acting - tilt, acting, acting + tilt, last]
-        return [p[f"{name}:gain"] * value + p[f"{name}:bias"] for value in stages]
-
+    inputs = {one.name: Input(one, p, times, np.asarray(commands[one.name], float)) for one in machine.inputs}
     now, before = dict(p), None
     for row in range(len(times)):
         gap = times[row + 1] - times[row] if row + 1 < len(times) else 0.0
@@ -89,7 +114,7 @@ def simulate(machine, p, times, commands, start, disturb=None):
             at = times[row] + part * size
             if disturb:
                 now |= {name: np.broadcast_to(value, count) for name, value in disturb(at + size / 2).items()}
-            fed = {one.name: advance(one, at, max(size, 1e-12)) for one in machine.inputs}
+            fed = {name: one.advance(at, max(size, 1e-12)) for name, one in inputs.items()}
             u0, u, u1, last = ({name: values[place] for name, values in fed.items()} for place in range(4))
             fine_t.append(at)
             # a sample is taken just before what is commanded at its time acts; what follows an input at once jumps there
@@ -112,20 +137,16 @@ def simulate(machine, p, times, commands, start, disturb=None):
 def sensed(name, p, times, fine_t, fine):
     """What the sensor makes of an output: (rows, variants)."""
     lag, delay = p[f"{name}:lag"], p[f"{name}:delay"]
-    if np.any(lag > 0):
-        out = fine.copy()
-        for k in range(1, len(fine_t)):
-            size = fine_t[k] - fine_t[k - 1]
-            if size <= 2 * SAME_TIME:
-                out[k] = np.where(lag > 0, out[k - 1], fine[k])
-                continue
-            tau = np.where(lag > 0, lag, 1.0)
-            share = np.exp(-size / tau)
-            # exact for a line between the samples
-            slope = (fine[k] - fine[k - 1]) / size
-            settled = fine[k] - slope * tau
-            begun = fine[k - 1] - slope * tau
-            out[k] = np.where(lag > 0, settled + (out[k - 1] - begun) * share, fine[k])
+    lags = lag > 0
+    if np.any(lags):
+        out, tau, own = fine.copy(), lag[lags], fine[:, lags]
+        last = own[0]
+        for k, size in enumerate(np.diff(fine_t), 1):
+            if size > 2 * SAME_TIME:
+                # exact for a line between the samples
+                slope = (own[k] - own[k - 1]) / size
+                last = own[k] - slope * tau + (last - (own[k - 1] - slope * tau)) * np.exp(-size / tau)
+            out[k, lags] = last
         fine = out
     at = np.array([np.interp(times - delay[b], fine_t, fine[:, b]) for b in range(fine.shape[1])]).T
     since = (times - times[0])[:, None]

@@ -16,8 +16,8 @@ type Pair = (Way, Way);
 
 /// The two ways in which the model follows the logs.
 pub(super) fn doubt(problem: &Problem, own: &Residual) -> Option<Doubt> {
-    // two readings that are wrong leave most of a motion; less than that is what a machine lacks
-    own.share.filter(|share| *share >= DOUBTS.extreme.0)?;
+    // two readings that are wrong leave most of a motion; less than that is what a machine lacks, and of a model that fails nothing is known
+    own.share.filter(|share| (DOUBTS.extreme.0..f64::INFINITY).contains(share))?;
     let pairs = pairs(problem);
     if !is_in_time(problem, pairs.len()) {
         return None;

@@ -182,5 +182,10 @@ def test_what_the_model_lacks_is_no_doubt(tmp_path, units, name, case):
 @pytest.mark.parametrize("gain", [-0.5, 2.0, -0.8])
 def test_a_gain_that_is_no_sign_is_no_doubt(taken, gain):
     """An input, or a sensor, of half or twice its size, even turned: no sign or unit explains it, so that the search must."""
-    status, said = diagnosed(changed(taken("motor"), column("u_cmd", 1 / gain)))
+    folder = changed(taken("motor"), column("u_cmd", 1 / gain))
+    status, said = diagnosed(folder)
     assert status == 0, said
+    found = json.loads((folder / "found" / "diagnosis.json").read_text())
+    # no gain is negative, and beside a turned sign every name would be wrong
+    told = any("with its sign turned motor.u" in notice["message"] for notice in found["notices"])
+    assert told == (gain < 0) and (found["effects"] == []) == (gain < 0), found["effects"]

@@ -2,7 +2,7 @@
 
 use super::residual::{Residual, judge_residual};
 use crate::error::Error;
-use crate::infer::Fit;
+use crate::infer::{At, Fit};
 use crate::search::Search;
 use crate::watch::Watch;
 
@@ -73,6 +73,10 @@ fn beside_unlisted(
     search.visited.clear();
     let mut start = here.at;
     start.noise = residual.unlisted.unwrap_or(start.noise);
+    if let Some(bare) = with_a_turned_sign(search, &effects, &start)? {
+        let residual = judge_residual(search.engine, &bare, &search.sizes, &search.policy);
+        return Ok((Vec::new(), bare, residual));
+    }
     let again = search.visit(&effects, &start)?;
     let (effects, here) = search.pruned(effects, again, "the unlisted input doesn't")?;
     let fresh = search.with_linearised_runs(here)?;
@@ -82,4 +86,19 @@ fn beside_unlisted(
     let (effects, here) = search.nearer(effects, here, alone, watch)?;
     let residual = judge_residual(search.engine, &here, &search.sizes, &search.policy);
     Ok((effects, here, residual))
+}
+
+/// The fit without any name, if it says that the sign of a column is turned: beside that every name is wrong.
+fn with_a_turned_sign(search: &mut Search<'_>, effects: &[usize], start: &At) -> Result<Option<Fit>, Error> {
+    let mut start = start.clone();
+    for effect in effects {
+        start.theta[*effect] = search.engine.machine.parameters[*effect].neutral;
+    }
+    let bare = match search.visit(&[], &start) {
+        Ok(bare) => search.with_linearised_runs(bare)?,
+        // it can't be followed without them
+        Err(Error::Model(_)) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    Ok(search.finds_a_turned_sign(&bare)?.then_some(bare))
 }

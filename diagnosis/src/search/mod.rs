@@ -9,6 +9,7 @@
 //! - `pairs.rs`: two effects that only together explain what is left
 //! - `class.rs`: what else fits as well in an effect's place
 //! - `nearest.rs`: which listed effects do most of what an unlisted input did
+//! - `sign.rs`: whether an unlisted input does what an input with its sign turned would
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod across;
@@ -19,6 +20,7 @@ mod pairs;
 mod policy;
 pub mod screen;
 mod screened;
+mod sign;
 pub mod trials;
 pub mod walk;
 

@@ -9,25 +9,13 @@ use super::trials::trials;
 use super::{Policy, Search};
 use crate::dynamics::Engine;
 use crate::dynamics::linearise::Chord;
-use crate::dynamics::machine::Role;
 use crate::error::Error;
 use crate::infer::sweep::direction;
 use crate::infer::{Disturbance, Fit, Linearised, smooth};
-use crate::observe::InputEffect;
-use crate::statistics::levels::HALF;
 use crate::statistics::linear::solve;
 use crate::watch::Watch;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// What comes nearest to an unlisted input.
-#[derive(Debug, Clone, PartialEq)]
-enum Near {
-    /// Listed effects.
-    Effects(Nearest),
-    /// A gain of an input that would have to be about -1, and the share that it takes away: the column's sign is turned.
-    Turned(usize, f64),
-}
 
 /// Listed effects that together do a part of what the unlisted input did.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,19 +42,7 @@ impl Search<'_> {
         while effects.len() < self.policy.most && !watch.is_over("the search for what an unlisted input did")
         {
             let others = self.others(&effects);
-            // what a part of the effects gets wrong may look like a turned sign
-            let near = match nearest(self.engine, &here, &others, effects.is_empty())? {
-                Some(Near::Effects(near)) => near,
-                Some(Near::Turned(gain, share)) => {
-                    let name = self.name(gain).trim_end_matches(":gain").to_owned();
-                    self.doubts.push(format!(
-                        "with its sign turned {name} would do {:.0} % of what the unlisted input did: look at the sign of its column",
-                        100.0 * share
-                    ));
-                    break;
-                }
-                None => break,
-            };
+            let Some(near) = nearest(self.engine, &here, &others)? else { break };
             let Some((with, fitted)) = self.with_nearest(&effects, &here, near) else { break };
             let beside = std::mem::replace(&mut self.policy, alone);
             let kept = self.pruned(with, fitted, "the unlisted input doesn't");
@@ -107,70 +83,69 @@ impl Search<'_> {
 }
 
 /// What one trial of an effect does, in units of the unlisted input.
-struct Column {
-    chord: Chord,
+pub(super) struct Column {
+    pub chord: Chord,
     /// Where its parameter is.
     from: f64,
-    values: Vec<f64>,
+    pub values: Vec<f64>,
 }
 
 impl Column {
+    pub fn new(chord: Chord, from: f64, values: Vec<f64>) -> Self {
+        Self { chord, from, values }
+    }
+
     /// Where an amount of it takes its parameter.
-    fn value(&self, amount: f64) -> f64 {
+    pub fn value(&self, amount: f64) -> f64 {
         self.from + amount * (self.chord.to - self.from) / self.chord.per
     }
 }
 
 /// The effects among `candidates` that come nearest to the unlisted input of a fit; nothing where none does a part that counts.
-/// `signs`: whether a turned sign may be it.
 ///
 /// # Errors
 /// A unit failed.
-fn nearest(engine: &Engine, fit: &Fit, candidates: &[usize], signs: bool) -> Result<Option<Near>, Error> {
+fn nearest(engine: &Engine, fit: &Fit, candidates: &[usize]) -> Result<Option<Nearest>, Error> {
+    let within = |parameter: usize, value: f64| {
+        let (least, most) = engine.machine.parameters[parameter].range;
+        (least..=most).contains(&value)
+    };
+    let course = columns(engine, fit, candidates)?;
+    Ok(course.and_then(|Course { columns, values }| selected(&columns, &values, &within)))
+}
+
+/// The course of an unlisted input, and what trials of effects do.
+pub(super) struct Course {
+    pub columns: Vec<Column>,
+    pub values: Vec<f64>,
+}
+
+/// What trials of these candidates do, and the smoothed course of the unlisted input of a fit; nothing where it has none.
+///
+/// # Errors
+/// A unit failed.
+pub(super) fn columns(engine: &Engine, fit: &Fit, candidates: &[usize]) -> Result<Option<Course>, Error> {
     let Fit { at, .. } = fit;
     let Some(unlisted) = at.noise.disturbance.filter(|_| !engine.machine.whole) else { return Ok(None) };
     let chords: Vec<Chord> =
         candidates.iter().flat_map(|parameter| trials(engine, &at.theta, *parameter)).collect();
     let runs = engine.chords(&at.theta, &at.paths, &chords)?;
-    let course: Vec<f64> = (runs.par_iter().zip(&fit.runs))
+    let values: Vec<f64> = (runs.par_iter().zip(&fit.runs))
         .flat_map(|(run, own)| {
             let mut course = smooth(own, &at.noise).disturbance;
             course.truncate(run.rows().saturating_sub(1));
             course
         })
         .collect();
-    let columns: Vec<Column> = chords
-        .iter()
-        .enumerate()
-        .map(|(place, chord)| {
-            let values = runs.iter().flat_map(|run| likened(run, place, &unlisted, &engine.scales)).collect();
-            Column { chord: *chord, from: at.theta[chord.parameter], values }
-        })
-        .collect();
-    let within = |parameter: usize, value: f64| {
-        let (least, most) = engine.machine.parameters[parameter].range;
-        (least..=most).contains(&value)
+    let column = |(place, chord): (usize, &Chord)| {
+        let values = runs.iter().flat_map(|run| likened(run, place, &unlisted, &engine.scales)).collect();
+        Column::new(*chord, at.theta[chord.parameter], values)
     };
-    let sign = turned(engine, &columns, &course).filter(|_| signs);
-    Ok(sign.or_else(|| selected(&columns, &course, &within).map(Near::Effects)))
+    let columns = chords.iter().enumerate().map(column).collect();
+    Ok(Some(Course { columns, values }))
 }
 
-/// A gain of about -1 that alone does a part of what the unlisted input did.
-fn turned(engine: &Engine, columns: &[Column], course: &[f64]) -> Option<Near> {
-    let is_gain = |column: &&Column| {
-        matches!(engine.machine.parameters[column.chord.parameter].role, Role::Input(_, InputEffect::Gain))
-    };
-    let of = |column: &Column| {
-        let (along, square) = (dot(&column.values, course), dot(&column.values, &column.values));
-        let share = along * along / (square * dot(course, course));
-        let gain = column.value(along / square);
-        (share >= SEARCHING.follows && (-HALF.recip()..=-HALF).contains(&gain))
-            .then_some(Near::Turned(column.chord.parameter, share))
-    };
-    columns.iter().filter(is_gain).find_map(of)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -275,7 +250,7 @@ mod tests {
     /// A column of a parameter at 1, moved by a derivative.
     fn column(parameter: usize, of: fn(f64) -> f64) -> Column {
         let values = (0..200).map(|row| of(0.1 * f64::from(row))).collect();
-        Column { chord: Chord { parameter, to: 1.5, per: 0.5 }, from: 1.0, values }
+        Column::new(Chord { parameter, to: 1.5, per: 0.5 }, 1.0, values)
     }
 
     fn columns() -> [Column; 3] {

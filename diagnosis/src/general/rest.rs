@@ -88,8 +88,12 @@ fn beside_unlisted(
     Ok((effects, here, residual))
 }
 
-/// The fit without any name, if it says that the sign of a column is turned: beside that every name is wrong.
+/// The fit without any name, if it says that the sign of a column is turned: beside that every name is wrong. Whole runs have no course of an
+/// unlisted input that could say so.
 fn with_a_turned_sign(search: &mut Search<'_>, effects: &[usize], start: &At) -> Result<Option<Fit>, Error> {
+    if start.noise.disturbance.is_none() || search.engine.machine.whole {
+        return Ok(None);
+    }
     let mut start = start.clone();
     for effect in effects {
         start.theta[*effect] = search.engine.machine.parameters[*effect].neutral;

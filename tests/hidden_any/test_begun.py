@@ -47,7 +47,7 @@ def late(tmp_path, monkeypatch):
 
 
 def named(folder, hidden):
-    """That an effect is named, and nothing else, with its value to a hundredth, which is a twelfth of a row."""
+    """The diagnosis, in which an effect is named, and nothing else, with its value to a hundredth, which is a twelfth of a row."""
     status, said = diagnosed(folder)
     assert status == 0, said
     found = json.loads((folder / "found" / "diagnosis.json").read_text())
@@ -55,6 +55,7 @@ def named(folder, hidden):
     [effect] = found["effects"]
     assert effect["name"] == hidden["name"]
     assert effect["value"] == pytest.approx(hidden["value"], rel=0.01)
+    return found
 
 
 @pytest.mark.parametrize(("name", "case"), [("sled", "force:delay"), ("reactor", "T_c:delay"), ("drive", "torque:delay")])
@@ -71,7 +72,9 @@ def test_a_slow_input_is_named_wherever_it_was_when_the_log_began(name, case, la
 
 def test_a_late_input_is_named_whatever_was_fed_before_its_own_log(late):
     folder, hidden = late("sled", "force:delay")
-    named(without_first_cells(begun(folder, "force_cmd"), "force_cmd"), hidden)
+    found = named(without_first_cells(begun(folder, "force_cmd"), "force_cmd"), hidden)
+    told = {notice["file"] for notice in found["notices"] if "sled.force is logged from" in notice["message"] and "40 rows" in notice["message"]}
+    assert told == {path.name for path in folder.glob("run-*.csv")}, found["notices"]
 
 
 def test_a_late_sensor_is_named_that_alone_tells_of_hidden_states(late):

@@ -1,7 +1,7 @@
 //! From a problem to an engine: sizes of states and inputs, noises to begin with. What the units can do is `probe.rs`.
 
 use super::first_path::Trails;
-use super::grid::{Grid, Sample, usual};
+use super::grid::{Grid, Lost, Sample, usual};
 use super::linearise::Engine;
 use super::machine::{Machine, Output, State};
 use super::outliers::excluded;
@@ -126,7 +126,21 @@ fn usable<'a>(problem: &Problem, machine: &Machine, runs: &[(&'a Run, Span)]) ->
         let notices = problem.notices.iter().cloned().chain(left_out).collect();
         return Err(Error::NothingUsable { path: problem.path.clone(), notices });
     }
-    Ok(Usable { runs, grids, notices: left_out.collect() })
+    let notices = left_out.chain(grids.iter().flat_map(|grid| begun_late(machine, grid))).collect();
+    Ok(Usable { runs, grids, notices })
+}
+
+/// Inputs whose own log begins later than a run.
+fn begun_late(machine: &Machine, grid: &Grid) -> Vec<Notice> {
+    let notice = |lost: &Lost| {
+        let rows = grid.time.partition_point(|time| *time < lost.to);
+        let message = format!(
+            "{} is logged from {} s on, {rows} rows after the run begins: nobody knows what was fed until then, so that these are left out",
+            machine.inputs[lost.input].name, lost.to
+        );
+        Notice { file: grid.name.clone(), line: 0, message }
+    };
+    grid.lost.iter().filter(|lost| lost.from == f64::NEG_INFINITY).map(notice).collect()
 }
 
 /// The scatter of each compared channel over all runs, outliers apart. One that has a single value has no size of its own: it is that value, or 1,

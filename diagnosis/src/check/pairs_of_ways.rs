@@ -24,7 +24,7 @@ pub(super) fn doubt(problem: &Problem, own: &Residual) -> Option<Doubt> {
     }
     let glanced = pairs.into_iter().filter_map(|pair| {
         let left = residual(&read(problem, &pair), &DOUBTS.short);
-        (left.may_be_right(&pair.0) && left.may_be_right(&pair.1)).then_some((left, pair))
+        leaves_hardly_anything(&left).then_some((left, pair))
     });
     let mut glanced: Vec<(Residual, Pair)> = glanced.collect();
     glanced.sort_by(|(a, _), (b, _)| a.excess.total_cmp(&b.excess));
@@ -58,6 +58,12 @@ fn is_in_time(problem: &Problem, looks: usize) -> bool {
     looks as f64 * began.elapsed().as_secs_f64() <= PART * left
 }
 
+/// Whether the model follows a pair as it would a sign: among so many pairs one takes flows, or forces, away from a machine that lacks something,
+/// and what then stands still is followed by where it is begun.
+fn leaves_hardly_anything(left: &Residual) -> bool {
+    left.share.is_none_or(|share| share < DOUBTS.right)
+}
+
 fn read(problem: &Problem, (first, second): &Pair) -> Problem {
     second.read(&first.read(problem))
 }
@@ -65,6 +71,9 @@ fn read(problem: &Problem, (first, second): &Pair) -> Problem {
 /// What the model leaves where both are beyond doubt, each beside the other; as one way to tell.
 fn both(problem: &Problem, pair: Pair) -> Option<(Residual, Way)> {
     let left = residual(&read(problem, &pair), &DOUBTS.long);
+    if !leaves_hardly_anything(&left) {
+        return None;
+    }
     let (first, second) = pair;
     let one = first.read(problem);
     let other = second.read(problem);

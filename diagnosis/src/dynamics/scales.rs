@@ -5,12 +5,16 @@ use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
+use crate::statistics::linear::RANK_TOLERANCE;
 
 /// How far something must move to move an output as far as that moves, where a step of it changes the outputs of rows so; `None`: it changes
-/// none of them.
+/// none of them by more than the unit rounds.
 fn scale(base: &[f64], moved: &[f64], step: f64, sizes: &[f64]) -> Option<f64> {
     let changes = base.iter().zip(moved).zip(sizes.iter().cycle());
+    // of a state that is forgotten within a row rounding is left: by that it would have to move a million million times as far as it stands
+    let is_real = |base: f64, moved: f64| (moved - base).abs() > RANK_TOLERANCE * base.abs().max(moved.abs());
     let largest = changes
+        .filter(|((base, moved), _)| is_real(**base, **moved))
         .map(|((base, moved), size)| ((moved - base) / step).abs() / size.max(1e-300))
         .fold(0.0, f64::max);
     (largest > 0.0 && largest.is_finite()).then(|| 1.0 / largest)
@@ -75,5 +79,19 @@ impl Engine {
             Ok(())
         })?;
         Ok(scales)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scale;
+
+    #[test]
+    fn value_rounding_is_no_move_of_an_output() {
+        // a step of 0.03 K of a cell that is forgotten within a row: 6e-14 K of 350 K are the unit's rounding
+        assert_eq!(scale(&[350.0, 290.0], &[350.0 + 6e-14, 290.0], 0.03, &[2.0]), None);
+        let seen = scale(&[350.0, 290.0], &[350.001, 290.0], 0.03, &[2.0]).expect("it moves by a thousandth");
+        // the output moves by 2 K, two thousand times as far
+        assert!((seen / 60.0 - 1.0).abs() < 1e-6, "{seen}");
     }
 }

@@ -49,14 +49,14 @@ impl Engine {
     }
 
     /// All parameters, one of them moved by its step.
-    fn stepped(&self, theta: &[f64], parameter: usize) -> Vec<f64> {
+    pub(super) fn stepped(&self, theta: &[f64], parameter: usize) -> Vec<f64> {
         let mut moved = theta.to_vec();
         moved[parameter] = self.local(theta, parameter).to;
         moved
     }
 
     /// Parameters of units that move as numbers.
-    fn calibrated(&self) -> Vec<usize> {
+    pub(super) fn calibrated(&self) -> Vec<usize> {
         let is_number = |parameter: &Parameter| {
             matches!(parameter.role, Role::Unit(_))
                 && matches!(parameter.scale, Scale::Absolute | Scale::Relative)

@@ -8,10 +8,16 @@ use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
 use crate::observe::{Problem, Run};
 use crate::statistics::levels::STEP;
+use std::collections::BTreeMap;
 
 /// What a user should know of a data set's model.
 fn notice(message: String) -> Notice {
     Notice { file: "dataset.toml".into(), line: 0, message }
+}
+
+/// Whether a state is what was set, but for rounding.
+fn is_same(set: f64, shown: f64) -> bool {
+    (set - shown).abs() <= 1e-6 * (set.abs() + shown.abs() + 1e-6)
 }
 
 impl Engine {
@@ -34,6 +40,9 @@ impl Engine {
         if !self.resets {
             let message = "fmi2Reset doesn't bring the unit back to where it began: a fresh instance for each interval instead";
             notices.push(notice(message.into()));
+        }
+        if !problem.whole {
+            notices.extend(self.unbind_states()?.into_iter().map(notice));
         }
         if problem.whole {
             self.scales = self.unmeasured_scales(sizes)?;
@@ -63,6 +72,45 @@ impl Engine {
         Ok(Some(notice(format!(
             "no variable shows the state {state} again: states are read through the outputs of {rows} rows"
         ))))
+    }
+
+    /// Starts free what a variable shows only while every parameter is as it is: a capacitor's voltage is that of its terminals without a
+    /// resistance in series. Taken for the state beside one, what is measured there would have to be somebody else's fault.
+    fn unbind_states(&mut self) -> Result<Vec<String>, Error> {
+        let grid = &self.grids[0];
+        let row = grid.time.len() / 2;
+        let schedule = Schedule::new(&self.machine, grid, &self.machine.neutral());
+        let states = self.nominal_states(grid, row);
+        let shown = |parameter: Option<usize>| {
+            let neutral = self.machine.neutral();
+            let there = parameter.map_or_else(|| neutral.clone(), |moved| self.stepped(&neutral, moved));
+            let set = self.set(&there);
+            let job = Job { parameters: &set, ..self.job(grid, &schedule, row, &states) };
+            self.with_worker(|worker| worker.shown_states(&self.machine, &job))
+        };
+        let (as_is, mut broken) = (shown(None)?, BTreeMap::new());
+        for parameter in self.calibrated() {
+            // a unit that can't be run so tells nothing
+            let Ok(there) = shown(Some(parameter)) else { continue };
+            for (state, (there, here)) in there.iter().zip(&as_is).enumerate() {
+                if !here.is_nan() && !is_same(*there, *here) {
+                    broken.entry(state).or_insert(parameter);
+                }
+            }
+        }
+        let told = |(state, parameter): (&usize, &usize)| {
+            let name = &self.machine.states[*state].name;
+            format!(
+                "{name} shows a state only while {} is as it is: the state is started free",
+                self.machine.parameters[*parameter].name
+            )
+        };
+        let told = broken.iter().map(told).collect();
+        for state in broken.keys() {
+            let state = &mut self.machine.states[*state];
+            (state.shows, state.channel) = (None, None);
+        }
+        Ok(told)
     }
 
     /// States as far as a row measures them, else nominal.
@@ -96,9 +144,7 @@ impl Engine {
         let shown = self
             .with_worker(|worker| worker.shown_states(&self.machine, &self.job(grid, &schedule, 0, &here)))?;
         let pairs = self.machine.states.iter().zip(here.iter().zip(&shown));
-        let mut other = pairs.filter(|(_, (set, shown))| {
-            shown.is_nan() || (*set - *shown).abs() > 1e-6 * (set.abs() + shown.abs() + 1e-6)
-        });
+        let mut other = pairs.filter(|(_, (set, shown))| shown.is_nan() || !is_same(**set, **shown));
         Ok(other.next().map(|(state, _)| state.name.clone()))
     }
 }

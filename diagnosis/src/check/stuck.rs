@@ -2,8 +2,9 @@
 
 use super::Doubt;
 use super::policy::DOUBTS;
-use crate::nuisance::scatter;
+use crate::nuisance::{least_gap, scatter};
 use crate::observe::{Problem, Role, Series};
+use crate::statistics::levels::MORE;
 
 /// A compared channel of a run that stood still for a while.
 pub(super) fn still(problem: &Problem) -> Option<Doubt> {
@@ -58,7 +59,19 @@ fn stretch(series: &Series) -> Option<(usize, usize)> {
         && same <= DOUBTS.repeats
         && alternates(&elsewhere) >= DOUBTS.alternates
         && noisy;
-    (told && !stays(values, from, to, noise.noise)).then_some((from, to - 1))
+    let sound = || stays(values, from, to, noise.noise) || is_rounded(values, from, to, noise.noise);
+    (told && !sound()).then_some((from, to - 1))
+}
+
+/// Whether one value is what a sound sensor says of a steady course: its log's step is larger than its noise, so it repeats its values where
+/// little moves, however seldom it does elsewhere, and the rows around lie within a step: nothing moved meanwhile.
+fn is_rounded(values: &[f64], from: usize, to: usize, noise: f64) -> bool {
+    let step = least_gap(values);
+    // one step is near one, and two are not
+    let near = |row: Option<usize>| {
+        row.and_then(|row| values.get(row)).is_none_or(|near| (near - values[from]).abs() < MORE * step)
+    };
+    noise < step && near(from.checked_sub(1)) && near(Some(to))
 }
 
 /// How often third differences change their sign from row to row, as a share.
@@ -115,6 +128,30 @@ mod tests {
         assert_eq!(stretch(&short), None, "nineteen rows");
         let slow = series(|row, _| wave(row / 5 * 5) + 0.01 * Random::new(row as u64 / 5).normal());
         assert_eq!(stretch(&slow), None, "a sensor that is five times as slow as the log");
+    }
+
+    #[test]
+    fn law_a_step_as_large_as_the_noise_repeats_where_the_course_is_steady_and_nowhere_else() {
+        // a compass: it turns far, so that hardly a value comes twice, and then holds its course, with noise of half a step
+        let heading = |turned: f64, held: f64| {
+            series(|row, random| {
+                let own = 0.2 * f64::from(u32::try_from(row.min(250)).expect("few rows"));
+                match row {
+                    300..322 => 50.0 + held,
+                    299 | 322 => 50.0 + turned,
+                    _ => ((own + 0.05 * random.normal()) * 10.0).round() / 10.0,
+                }
+            })
+        };
+        assert_eq!(stretch(&heading(0.1, 0.0)), None, "the rows around flicker by a step");
+        assert_eq!(stretch(&heading(0.0, 0.5)), Some((300, 321)), "it was elsewhere before and behind");
+        // and of a finer step the same value says that it stood still
+        let fine = |row: usize, random: &mut Random| match row {
+            300..322 => 0.0,
+            _ => random.normal(),
+        };
+        let fine = series(|row, random| 50.0 + 0.05 * (fine(row, random) * 10.0).round() / 10.0);
+        assert_eq!(stretch(&fine), Some((300, 321)));
     }
 
     #[test]

@@ -55,16 +55,27 @@ pub fn scatter(runs: &[&[f64]]) -> Scatter {
     Scatter { noise, quiet: quiet.max(anywhere_in(quantum)).min(noise), quantum, size }
 }
 
+/// The distance of neighbouring values, where there are few enough of them that they look rounded.
 fn quantum(values: &[f64]) -> f64 {
+    let real = gaps(values);
+    if real.is_empty() || (real.len() + 1) as f64 > NUISANCE.rounded * values.len() as f64 {
+        return 0.0;
+    }
+    real.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The least distance of two values: what they are rounded to, if they are. Of a wide range all of a few rows are others though they are.
+pub fn least_gap(values: &[f64]) -> f64 {
+    gaps(values).into_iter().reduce(f64::min).unwrap_or(0.0)
+}
+
+/// The distances of neighbouring values that are no rounding of numbers.
+fn gaps(values: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let span = sorted.last().zip(sorted.first()).map_or(0.0, |(last, first)| last - first);
     let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
-    let real: Vec<f64> = gaps.filter(|gap| *gap > 1e-9 * span).collect();
-    if real.is_empty() || (real.len() + 1) as f64 > NUISANCE.rounded * sorted.len() as f64 {
-        return 0.0;
-    }
-    real.into_iter().fold(f64::INFINITY, f64::min)
+    gaps.filter(|gap| *gap > 1e-9 * span).collect()
 }
 
 #[cfg(test)]

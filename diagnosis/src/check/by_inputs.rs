@@ -68,6 +68,7 @@ mod tests {
             line: 1,
             what: String::new(),
             add: String::new(),
+            exact: false,
         };
         let (tau, q1) = (of("tau").expect("it is fed"), of("q1").expect("it is compared"));
         assert!(mutes(&way(tau, 1e-9), &problem), "a torque that is as good as none");

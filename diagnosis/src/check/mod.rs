@@ -11,11 +11,13 @@
 //! - `by_inputs.rs`: and what it is fed has a say in that
 //! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help
 //! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
+//! - `kinds.rs`: of these, rates per minute or hour, and columns of one kind alike
 //! - `hints.rs`: what looks odd and is no proof: notices
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod by_inputs;
 mod hints;
+mod kinds;
 mod one_value;
 mod pairs_of_ways;
 mod policy;

@@ -184,9 +184,11 @@ pub(super) fn nearest(mut found: Vec<(Residual, Way)>) -> Option<((Residual, Way
 
 /// Whether the model follows the logs in this way and not as they are read.
 pub(super) fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Residual) -> bool {
+    // beside a model that fails as they are read anything leaves less
+    let is_far = way.is_extreme() && own.excess.is_finite();
     residual.is_right(way)
         && residual.is_less(way, own)
-        && (way.is_extreme() || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
+        && (is_far || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
         && !by_inputs::mutes(way, problem)
 }
 
@@ -269,7 +271,7 @@ mod tests {
     }
 
     fn way(change: Change) -> Way {
-        Way { change, line: 1, what: String::new(), add: String::new() }
+        Way { change, line: 1, what: String::new(), add: String::new(), exact: false }
     }
 
     #[test]

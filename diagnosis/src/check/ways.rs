@@ -1,5 +1,6 @@
 //! How else logs can be read: the other unit of time, of measurement, the other sign, the other column.
 
+use super::kinds;
 use super::policy::DOUBTS;
 use crate::observe::{Affine, Channel, Problem, Role, UNITS, measure};
 use crate::ports::PORTS;
@@ -26,6 +27,8 @@ pub(super) struct Way {
     pub(super) what: String,
     /// What to write.
     pub(super) add: String,
+    /// Whether its own number must be the best one, however extreme it is: of many factors, one is near what a machine lacks.
+    pub(super) exact: bool,
 }
 
 /// Units that logs are written in, beside the model's own and those with a prefix.
@@ -66,6 +69,7 @@ impl Way {
     /// Whether no gain that a machine has is so large or so small.
     pub(super) fn is_extreme(&self) -> bool {
         match &self.change {
+            _ if self.exact => false,
             Change::Time(_) | Change::Exchanged(..) => true,
             Change::Values(by) => {
                 by.iter().any(|(_, affine)| !(PORTS.gain.0..=PORTS.gain.1).contains(&affine.scale.abs()))
@@ -152,6 +156,7 @@ fn times(problem: &Problem, fits: impl Fn(f64) -> bool) -> Vec<Way> {
             line: run.line,
             what: format!("times in {unit}"),
             add: format!("Add to each [[run]]: time = {{ unit = \"{unit}\" }}"),
+            exact: false,
         })
     };
     UNITS.iter().filter_map(way).collect()
@@ -175,8 +180,15 @@ pub(super) fn others(problem: &Problem) -> Vec<Way> {
     for names in [&["deg", "deg/s"][..], &["degC"], &["K"]] {
         ways.extend(together(problem, &all, names));
         // what is compared was written by one logger, and what is fed may come from elsewhere
-        ways.extend(together(problem, &outputs(problem), names).filter(|way| ways.last() != Some(way)));
+        ways.extend(
+            together(problem, &fed_and_compared(problem).1, names).filter(|way| ways.last() != Some(way)),
+        );
     }
+    let new: Vec<Way> = kinds::of_one_kind(problem)
+        .into_iter()
+        .filter(|way| ways.iter().all(|known| known.change != way.change))
+        .collect();
+    ways.extend(new);
     ways.extend(pairs(&all).into_iter().map(|(a, b)| columns(problem, a, b)));
     ways.extend(several);
     ways
@@ -193,8 +205,7 @@ pub(super) fn single(problem: &Problem) -> Vec<Way> {
 /// Turned signs: of each channel, the inputs first; of an axis that runs the other way round, a position and its rate; of all inputs and
 /// all outputs.
 pub(super) fn signs(problem: &Problem) -> Vec<Way> {
-    let outputs = outputs(problem);
-    let inputs: Vec<usize> = (0..problem.channels.len()).filter(|place| !outputs.contains(place)).collect();
+    let (inputs, outputs) = fed_and_compared(problem);
     let mut ways: Vec<Way> = inputs.iter().chain(&outputs).map(|place| turned(problem, &[*place])).collect();
     ways.extend(pairs(&outputs).into_iter().map(|(a, b)| turned(problem, &[a, b])));
     ways.extend(
@@ -203,10 +214,10 @@ pub(super) fn signs(problem: &Problem) -> Vec<Way> {
     ways
 }
 
-/// Channels that are compared.
-fn outputs(problem: &Problem) -> Vec<usize> {
+/// Channels that are fed, and those that are compared.
+pub(super) fn fed_and_compared(problem: &Problem) -> (Vec<usize>, Vec<usize>) {
     let fed = |place: &usize| matches!(problem.channels[*place].role, Role::Fed(_));
-    (0..problem.channels.len()).filter(|place| !fed(place)).collect()
+    (0..problem.channels.len()).partition(fed)
 }
 
 /// Those that are tried.
@@ -216,7 +227,7 @@ fn pairs(list: &[usize]) -> Vec<(usize, usize)> {
 }
 
 /// Where to write it.
-fn written(channel: &Channel, line: &str) -> String {
+pub(super) fn written(channel: &Channel, line: &str) -> String {
     format!(
         "Write in the [[channel]] of {}, in place of what it says of unit, scale and offset: {line}",
         channel.name
@@ -228,22 +239,22 @@ fn all_written<'a>(lines: impl Iterator<Item = (&'a Channel, String)>) -> String
 }
 
 /// What to write in a channel for a conversion, if `unit` doesn't say it.
-fn numbers(conversion: Affine) -> String {
+pub(super) fn numbers(conversion: Affine) -> String {
     let offset =
         if conversion.offset == 0.0 { String::new() } else { format!(" and offset = {}", conversion.offset) };
     format!("scale = {}{offset}", conversion.scale)
 }
 
-fn then(before: Affine, by: Affine) -> Affine {
+pub(super) fn then(before: Affine, by: Affine) -> Affine {
     Affine { scale: by.scale * before.scale, offset: by.apply(before.offset) + 0.0 }
 }
 
-fn list(names: impl Iterator<Item = String>) -> String {
+pub(super) fn list(names: impl Iterator<Item = String>) -> String {
     names.collect::<Vec<_>>().join(" and ")
 }
 
 /// The log's own numbers times a factor.
-fn times_log(channel: &Channel, factor: f64) -> Affine {
+pub(super) fn times_log(channel: &Channel, factor: f64) -> Affine {
     Affine { scale: factor, offset: channel.conversion.offset * (1.0 - factor) }
 }
 
@@ -259,10 +270,11 @@ fn turned(problem: &Problem, places: &[usize]) -> Way {
         line: channels[0].line,
         what: format!("the {signs} of {} turned", list(channels.iter().map(|channel| named(channel)))),
         add: all_written(lines),
+        exact: false,
     }
 }
 
-fn named(channel: &Channel) -> String {
+pub(super) fn named(channel: &Channel) -> String {
     format!("{} (column {:?})", channel.name, channel.column)
 }
 
@@ -295,11 +307,12 @@ fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
         line: channel(&found[0].0).line,
         what: list(said),
         add: all_written(lines),
+        exact: false,
     }
 }
 
 /// The units that one channel may be written in.
-fn units(problem: &Problem, place: usize) -> Vec<Way> {
+pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
     let channel = &problem.channels[place];
     let variable = problem.model.variable(channel.variable);
     let way = |factor: &f64| {
@@ -309,6 +322,7 @@ fn units(problem: &Problem, place: usize) -> Vec<Way> {
             line: channel.line,
             what: format!("{} times {factor}", named(channel)),
             add: written(channel, &numbers(then(channel.conversion, by))),
+            exact: false,
         }
     };
     let Some(own) = variable.unit.as_deref().filter(|own| !own.is_empty()) else {
@@ -331,7 +345,8 @@ fn units(problem: &Problem, place: usize) -> Vec<Way> {
         found.iter().any(|(_, by, _)| (by.scale / **factor - 1.0).abs() < ROUNDING && same(by))
     };
     let bare = FACTORS[..2].iter().filter(|factor| !is_known(factor)).map(way);
-    found.iter().map(|one| in_unit(problem, std::slice::from_ref(one))).chain(bare).collect()
+    let in_units = found.iter().map(|one| in_unit(problem, std::slice::from_ref(one)));
+    in_units.chain(bare).chain(kinds::rates(problem, place)).collect()
 }
 
 /// All of these channels that are of one kind in another unit: all angles in degrees.
@@ -352,6 +367,7 @@ fn columns(problem: &Problem, a: usize, b: usize) -> Way {
             "Write in the [[channel]] of {}: column = {:?}, in that of {}: column = {:?}",
             one.name, two.column, two.name, one.column
         ),
+        exact: false,
     }
 }
 

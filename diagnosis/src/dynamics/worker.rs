@@ -58,11 +58,18 @@ pub fn typed(kind: Kind, value: f64) -> Value {
     }
 }
 
+/// What to look at where a unit fails: nobody knows whose fault that is.
+const USUAL_CAUSE: &str = "where one of these, or what the states begin at, is many times too large or too small, its column has another unit of \
+     measurement than dataset.toml says";
+
 /// What was fed, in words.
 fn describe_inputs(machine: &Machine, fed: &[f64]) -> String {
     let each = machine.inputs.iter().zip(fed).map(|(input, value)| format!("{} = {value:?}", input.name));
     let each: Vec<String> = each.collect();
-    if each.is_empty() { String::new() } else { format!(", fed {}", each.join(", ")) }
+    match each.is_empty() {
+        true => String::new(),
+        false => format!(", fed {}; {USUAL_CAUSE}", each.join(", ")),
+    }
 }
 
 /// A time on the units' clock.

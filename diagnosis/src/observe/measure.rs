@@ -251,6 +251,13 @@ pub fn conversion(unit: &str, variable: &Variable, description: &Description) ->
     Ok(whole(from.factor / to.factor, (from.offset - to.offset) / to.factor))
 }
 
+/// Whether a variable counts something per second.
+pub fn is_rate(variable: &Variable, description: &Description) -> bool {
+    let own = variable.unit.as_deref().filter(|own| !own.is_empty());
+    let base = own.and_then(|own| description.unit(own).and_then(|unit| unit.base).or_else(|| named(own)));
+    base.is_some_and(|base| TIME.iter().zip(base.exponents).all(|(time, own)| *time == 0 || own == -time))
+}
+
 /// What to say of a unit that nobody knows, for a variable in `own`.
 fn unknown_unit(unit: &str, own: &str, description: &Description) -> String {
     let base = |name: &str| description.unit(name).and_then(|unit| unit.base).or_else(|| named(name));

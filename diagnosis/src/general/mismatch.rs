@@ -11,7 +11,6 @@ use crate::dynamics::first_path::Trails;
 use crate::dynamics::machine::Output;
 use crate::error::{Error, Notice};
 use crate::infer::Noise;
-use crate::nuisance::Scatter;
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
 use crate::statistics::levels::{HALF, MORE, SMALL};
@@ -56,7 +55,7 @@ pub fn held_out(
     let before = both.remove(0);
     let after = both.first().unwrap_or(&before);
     let names: Vec<String> = left.iter().map(|(run, span)| name(run, *span)).collect();
-    let (order, gaps) = gaps(&built, (&before, after), &trained.fit.at.noise.channels, &names);
+    let (order, gaps) = gaps(&built, &before, after, &names);
     let channels = courses(&built.engine, &order, &before, after);
     let share = share(after, &built.engine);
     let notice = (share < HALF).then(|| Notice {
@@ -79,14 +78,9 @@ fn name(run: &Run, span: Span) -> String {
 }
 
 /// The gap of each channel before and after, and the channels' places: the one first that is farthest above its noise.
-fn gaps(
-    built: &Built,
-    (before, after): (&[Window], &[Window]),
-    noise: &[f64],
-    runs: &[String],
-) -> (Vec<usize>, Vec<Gap>) {
+fn gaps(built: &Built, before: &[Window], after: &[Window], runs: &[String]) -> (Vec<usize>, Vec<Gap>) {
     let gap = |(channel, output): (usize, &Output)| {
-        let floor = output.noise.unwrap_or_else(|| floor(noise[channel], &built.scatter[channel]));
+        let floor = output.noise.unwrap_or(built.scatter[channel].quiet);
         let (from, to) = (mean(before, channel), mean(after, channel));
         let gap = Gap {
             before: from,
@@ -103,15 +97,6 @@ fn gaps(
     let mut all: Vec<(f64, usize, Gap)> = built.engine.machine.channels.iter().enumerate().map(gap).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.into_iter().map(|(_, channel, gap)| (channel, gap)).unzip()
-}
-
-/// What the best model leaves of a channel whose noise nobody states: the noise that was estimated with the model, as far as the log scatters.
-///
-/// What rows scatter by in the middle is less where they are rounded to steps as large as the noise: the median of their differences is a step or
-/// none, and the least of several orders is taken. By their squares it is as much as the noise with its rounding, and more where the machine moves
-/// within a few rows. The fit knows what the model moves, and what it lacks is not to count as noise: so no more than those.
-fn floor(fitted: f64, scatter: &Scatter) -> f64 {
-    fitted.min(scatter.noise).max(scatter.quiet)
 }
 
 /// The share of a gap that was closed, of squares above the noise's; nothing where there is hardly a gap: a twentieth above the noise is what
@@ -216,8 +201,6 @@ pub fn places(studied: &Studied) -> Vec<Where> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nuisance::scatter;
-    use crate::statistics::random::Random;
 
     fn gap(before: f64, after: f64, floor: f64) -> Gap {
         let (signal, unit) = (String::new(), String::new());
@@ -248,19 +231,5 @@ mod tests {
         assert!(closed(1.04, 1.0, 1.0).is_none() && closed(0.0, 0.0, 0.0).is_none());
         // a window tells of a model by half as much again as noise alone would leave
         assert!(is_telling(55.0, 100.0) && !is_telling(45.0, 100.0) && !is_telling(0.0, 0.0));
-    }
-
-    #[test]
-    fn value_the_floor_of_a_rounded_log_is_its_noise_with_the_rounding() {
-        let mut random = Random::new(9);
-        // noise of 0.58 of a step about a course that moves some steps: with the rounding 0.65
-        let value = |row: u32| (50.0 * libm::sin(0.02 * f64::from(row)) + 0.58 * random.normal()).round();
-        let scatter = scatter(&[&(0..2000).map(value).collect::<Vec<f64>>()]);
-        let all = 0.58f64.hypot(1.0 / 12f64.sqrt());
-        assert!((floor(all, &scatter) / all - 1.0).abs() < 0.03, "{scatter:?}");
-        // by the rows in the middle it was a step of a high difference or none
-        assert!(scatter.quiet < 0.97 * all, "{scatter:?}");
-        // what a model lacks is no noise, nor is what a fit takes for process noise none
-        assert_eq!((floor(10.0 * all, &scatter), floor(0.0, &scatter)), (scatter.noise, scatter.quiet));
     }
 }

@@ -4,7 +4,7 @@ use super::policy::GENERAL;
 use super::study::Studied;
 use crate::dynamics::Engine;
 use crate::dynamics::grid::Sample;
-use crate::infer::fit::{At, Fit, Options, Path, fit};
+use crate::infer::fit::{At, Options, Path, fit};
 use crate::infer::{Linearised, Noise};
 use crate::statistics::levels::SMALL;
 use rayon::prelude::*;
@@ -76,23 +76,6 @@ fn window_fit() -> Options {
     Options { rounds: 6, settled: 1e-2, ..Options::default() }
 }
 
-/// The same where that ends before it settles: no round is turned back. A path that follows the log is none of the model's, and its linear model
-/// promises less than any start state leaves where the model bends on the way to its own: a tank whose level runs away from the log's.
-fn bold_fit() -> Options {
-    Options { rise: f64::INFINITY, ..window_fit() }
-}
-
-/// The fit of a window's states from a path on, with how far they move after its last round, which the smoother gives; nothing where it has not
-/// settled.
-fn settled(window: &Engine, start: &At, options: &Options) -> Option<(Fit, Vec<f64>)> {
-    let fitted = fit(window, start, &[], None, options).ok()?;
-    let run = &fitted.runs[0];
-    let moved = crate::infer::smooth(run, &start.noise).state;
-    let rests = (moved.chunks(run.states.max(1)))
-        .all(|row| row.iter().zip(&window.scales).all(|(by, scale)| is_at_rest(*by, *scale)));
-    rests.then_some((fitted, moved))
-}
-
 /// All windows of an engine's runs for each model, each followed from its own start state: the same ones for all, so that they are compared
 /// on the same rows.
 pub fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<Window>> {
@@ -154,10 +137,16 @@ impl Rows<'_> {
         let single = self.as_only_run(&path[from * n..(from + 1) * n]);
         let start =
             At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };
-        let (fitted, moved) =
-            [window_fit(), bold_fit()].iter().find_map(|options| settled(&single, &start, options))?;
+        let fitted = fit(&single, &start, &[], None, &window_fit()).ok()?;
         let run = &fitted.runs[0];
+        // what is left after the path's last small move, which the smoother gives
+        let moved = crate::infer::smooth(run, noise).state;
         let wide = run.states;
+        let settled = (moved.chunks(wide.max(1)))
+            .all(|row| row.iter().zip(&engine.scales).all(|(by, scale)| is_at_rest(*by, *scale)));
+        if !settled {
+            return None;
+        }
         let (mut sums, points) = residuals(run, &moved, engine.machine.channels.len());
         let all: f64 = sums.iter().map(|sum| sum.count).sum();
         if !is_compared(all, n) {

@@ -41,13 +41,13 @@ impl Engine {
             let message = "fmi2Reset doesn't bring the unit back to where it began: a fresh instance for each interval instead";
             notices.push(notice(message.into()));
         }
-        if !problem.whole {
-            notices.extend(self.unbind_states()?.into_iter().map(notice));
-        }
         if problem.whole {
             self.scales = self.unmeasured_scales(sizes)?;
             self.follow_whole(runs, sizes);
-        } else if self.machine.states.is_empty() && self.remembers(sizes)? {
+        } else {
+            notices.extend(self.unbind_states()?.into_iter().map(notice));
+        }
+        if !problem.whole && self.machine.states.is_empty() && self.remembers(sizes)? {
             self.follow_whole(runs, sizes);
             let message = "no state of the model can be set (no start parameter, no output of initial \"exact\"): each run is \
                            simulated whole from the model's own start, and no window begins anew";
@@ -90,10 +90,10 @@ impl Engine {
         };
         let (as_is, mut broken) = (shown(None)?, BTreeMap::new());
         for parameter in self.calibrated() {
-            // a unit that can't be run so tells nothing
+            // a unit that can't be run so, or gives no numbers, tells nothing
             let Ok(there) = shown(Some(parameter)) else { continue };
             for (state, (there, here)) in there.iter().zip(&as_is).enumerate() {
-                if !here.is_nan() && !is_same(*there, *here) {
+                if there.is_finite() && here.is_finite() && !is_same(*there, *here) {
                     broken.entry(state).or_insert(parameter);
                 }
             }

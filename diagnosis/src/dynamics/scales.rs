@@ -5,14 +5,20 @@ use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
+use crate::statistics::levels::FINE;
 use crate::statistics::linear::RANK_TOLERANCE;
 
+/// Share of an output below which a state moves it not at all: a state that is forgotten within a row leaves rounding, by which it would have to
+/// move a million million times as far as it stands.
+const FORGOTTEN: f64 = RANK_TOLERANCE;
+/// The same for an input, of which nobody knows how large it is: a thousandth of a watt hardly warms a room within a log, and that is no rounding.
+const NOTHING: f64 = FINE * RANK_TOLERANCE;
+
 /// How far something must move to move an output as far as that moves, where a step of it changes the outputs of rows so; `None`: it changes
-/// none of them by more than the unit rounds.
-fn scale(base: &[f64], moved: &[f64], step: f64, sizes: &[f64]) -> Option<f64> {
+/// none of them by more than this share.
+fn scale((base, moved): (&[f64], &[f64]), step: f64, sizes: &[f64], least: f64) -> Option<f64> {
     let changes = base.iter().zip(moved).zip(sizes.iter().cycle());
-    // of a state that is forgotten within a row rounding is left: by that it would have to move a million million times as far as it stands
-    let is_real = |base: f64, moved: f64| (moved - base).abs() > RANK_TOLERANCE * base.abs().max(moved.abs());
+    let is_real = |base: f64, moved: f64| (moved - base).abs() > least * base.abs().max(moved.abs());
     let largest = changes
         .filter(|((base, moved), _)| is_real(**base, **moved))
         .map(|((base, moved), size)| ((moved - base) / step).abs() / size.max(1e-300))
@@ -41,7 +47,7 @@ impl Engine {
                 let mut at = here.clone();
                 at[state] += step;
                 worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out)?;
-                let moved = scale(&base[told.clone()], &out[told.clone()], step, sizes);
+                let moved = scale((&base[told.clone()], &out[told.clone()]), step, sizes, FORGOTTEN);
                 scales[state] = moved.unwrap_or(scales[state]);
             }
             Ok(())
@@ -73,7 +79,7 @@ impl Engine {
                 };
                 let (at_row, fed) = (shifted(job.at_row), shifted(job.fed));
                 worker.interval(&self.machine, &Job { at_row: &at_row, fed: &fed, ..job }, &mut out)?;
-                let moved = scale(&base[told.clone()], &out[told.clone()], step, sizes);
+                let moved = scale((&base[told.clone()], &out[told.clone()]), step, sizes, NOTHING);
                 scales[input] = moved.unwrap_or(scales[input]);
             }
             Ok(())
@@ -84,14 +90,19 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use super::scale;
+    use super::{FORGOTTEN, NOTHING, scale};
 
     #[test]
     fn value_rounding_is_no_move_of_an_output() {
         // a step of 0.03 K of a cell that is forgotten within a row: 6e-14 K of 350 K are the unit's rounding
-        assert_eq!(scale(&[350.0, 290.0], &[350.0 + 6e-14, 290.0], 0.03, &[2.0]), None);
-        let seen = scale(&[350.0, 290.0], &[350.001, 290.0], 0.03, &[2.0]).expect("it moves by a thousandth");
+        let of = |by: f64, step: f64, least: f64| {
+            scale((&[350.0, 290.0], &[350.0 + by, 290.0]), step, &[2.0], least)
+        };
+        assert_eq!((of(6e-14, 0.03, FORGOTTEN), of(6e-14, 1e-3, NOTHING)), (None, None));
+        let seen = of(1e-3, 0.03, FORGOTTEN).expect("it moves by a thousandth");
         // the output moves by 2 K, two thousand times as far
         assert!((seen / 60.0 - 1.0).abs() < 1e-6, "{seen}");
+        // what an input does is seen far below what a state must do, but for rounding
+        assert!(of(1e-8, 1e-3, NOTHING).is_some() && of(1e-8, 0.03, FORGOTTEN).is_none());
     }
 }

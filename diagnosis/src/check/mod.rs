@@ -55,7 +55,8 @@ const CHECKS: &[Check] = &[stuck::still, one_value::still, wrapped::wrapped, rea
 /// # Errors
 /// A log that can't be what `dataset.toml` says it is.
 pub fn plausible(problem: &Problem) -> Result<(), Error> {
-    match CHECKS.iter().find_map(|check| check(problem)) {
+    let nominal = &problem.as_it_is();
+    match CHECKS.iter().find_map(|check| check(nominal)) {
         None => Ok(()),
         Some(Doubt { line, sentence, add }) => Err(Error::Manifest {
             path: problem.path.join("dataset.toml"),

@@ -37,9 +37,7 @@ pub(super) fn try_draft(
     let Ok(draft) = Bench::new() else { return Tried::default() };
     let written = write::folder(draft.path(), file, fmu, found);
     let read = written.and_then(|_| observe::load(draft.path(), units, isolation));
-    let Ok(mut problem) = read else { return Tried::default() };
-    // what shows a state is asked of the unit as it is: with other values it may end the process
-    problem.candidates.clear();
+    let Ok(problem) = read.map(|problem| problem.as_it_is()) else { return Tried::default() };
     if let Some(told) = check::too_long_times(&problem) {
         return Tried { too_long: Some(told), ..Tried::default() };
     }

@@ -300,6 +300,11 @@ impl Series {
 }
 
 impl Problem {
+    /// The same without candidates: the model as it is, of which no parameter is moved. A unit may hang, or end its process, with other values.
+    pub(crate) fn as_it_is(&self) -> Self {
+        Self { candidates: Vec::new(), ..self.clone() }
+    }
+
     /// Usual distance of the logs' rows, s; 1 where no log has two.
     pub fn row(&self) -> f64 {
         let all = self.runs.iter().flat_map(|run| &run.series);

@@ -246,6 +246,31 @@ fn every_link_of_a_page_leads_somewhere() {
     assert!(seen > 10, "found {seen} links");
 }
 
+#[test]
+fn every_file_of_a_crates_tests_is_run() {
+    // one program runs all tests of a crate, since each takes seconds to link; a file that it doesn't name would be left out in silence
+    let mut named = 0;
+    for package in metadata().packages {
+        let folder = package.manifest_path.parent().expect("a manifest lies in a folder").join("tests");
+        let of_its_own =
+            |file: &Path| package.targets.iter().any(|target| target.src_path.as_std_path() == file);
+        let all = std::fs::read_to_string(folder.join("all.rs")).unwrap_or_default();
+        for entry in std::fs::read_dir(&folder).into_iter().flatten() {
+            let path = entry.expect("entries can be read").path();
+            let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+            let is_named = all.lines().any(|line| line == format!("mod {stem};"));
+            let is_test = path.extension().is_some_and(|ending| ending == "rs");
+            assert!(
+                !is_test || is_named || of_its_own(&path),
+                "no line of tests/all.rs names {}",
+                path.display()
+            );
+            named += usize::from(is_test && is_named);
+        }
+    }
+    assert!(named > 90, "found {named} files");
+}
+
 /// Calls for each file of the repository that is not made by a build.
 fn every_file(folder: &Path, each: &mut dyn FnMut(&Path, &str)) {
     let made = ["target", "out", "node_modules", "__pycache__"];

@@ -1,10 +1,9 @@
 //! Units that take the program down, or try to: in this process a word and the rows stay, in one of their own the run comes
 //! to a clear end.
 
-#[path = "../../orchestrator/tests/common/mod.rs"]
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use std::path::Path;
 use std::process::Command;
 

@@ -1,9 +1,8 @@
 //! What is asked in vain, or can't be told to anybody, as a person meets it. The packed units must be there: `cargo xtask pack`.
 
-#[path = "../../orchestrator/tests/common/mod.rs"]
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use std::path::Path;
 use std::process::{Command, Output};
 

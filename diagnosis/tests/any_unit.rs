@@ -1,9 +1,8 @@
 //! Any unit from end to end: a hanging double pendulum (the plant with R = 0) by encoders alone, its rates measured by nobody.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::Folder;
+use crate::common::Folder;
 use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, Options, Verdict};
 use orchestrator::Fmu;

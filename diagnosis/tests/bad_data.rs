@@ -1,9 +1,8 @@
 //! Bad data gets a message with file and line, and what is usable is used.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, manifest, notice, plant, torque};
+use crate::common::{Folder, manifest, notice, plant, torque};
 use diagnosis::Error;
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use std::fmt::Write as _;

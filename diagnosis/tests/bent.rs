@@ -1,9 +1,6 @@
 //! A bent target, seen by images alone: a circle that stands beside its link's line.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{found, logged_in, names, shipped};
+use crate::common::{found, logged_in, names, shipped};
 use diagnosis::Verdict;
 
 /// How far circle 3 is seen off link 2, rad: 0.02 of 6.9 world units.

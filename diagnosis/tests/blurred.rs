@@ -1,9 +1,6 @@
 //! A camera out of focus: so far that its circles are lost, or with a noisy sensor.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{found, names, notice, recorded};
+use crate::common::{found, names, notice, recorded};
 use diagnosis::Verdict;
 
 #[test]

@@ -1,10 +1,9 @@
 //! Logs of a simulation as they are, without any noise, or with that of fine encoders: what is left there, of integrators, of averages
 //! and of starts within stiction, is no finding.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, found, names};
+use crate::common::{Folder, found, names};
 use diagnosis::Verdict;
 use diagnosis::testing::Random;
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};

@@ -1,9 +1,8 @@
 //! A rest that no listed effect gives: the residual unit hides it, and the diagnosis writes it back as a correction.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, units};
+use crate::common::{Folder, units};
 use diagnosis::rigs::acrobot::correction::{Closing, Correction, wiring};
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::rigs::acrobot::model::Model;

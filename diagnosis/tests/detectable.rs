@@ -1,7 +1,6 @@
 //! What is said to be found is found: effects a little larger than the smallest size that is stated where nothing is hidden.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::{Diagnosis, Verdict, diagnose};
 

@@ -1,7 +1,6 @@
 //! Falls within half a second: a window or two are all there is.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::{Diagnosis, Verdict, diagnose};
 

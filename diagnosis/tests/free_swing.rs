@@ -1,10 +1,7 @@
 //! Free swings of a pinned arm, as a video or encoders without a motor give them: what is missing is found, how the log was
 //! made is cleared, and nothing is named that such an arm doesn't have.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{Folder, options, root, units};
+use crate::common::{Folder, options, root, units};
 use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, diagnose};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};

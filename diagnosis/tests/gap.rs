@@ -1,9 +1,6 @@
 //! What is told of the gap is true: its floor is that of noise, and the runs on which it is judged were never seen.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{found, names, options, recorded, units};
+use crate::common::{found, names, options, recorded, units};
 use diagnosis::{Budget, Options, Verdict};
 
 /// All that could stand in the place of a radial distortion, more or less.

@@ -1,9 +1,6 @@
 //! A rig that stands on an inclined table with all that its angles are counted from.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{logged_in, options, shipped, units};
+use crate::common::{logged_in, options, shipped, units};
 use diagnosis::diagnose;
 
 /// How far the table is inclined, rad: a floor that no builder would complain of.

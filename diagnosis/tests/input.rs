@@ -1,9 +1,8 @@
 //! What the user mistyped, and logs that count otherwise than the model does: told with place, and with what would be right.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, manifest, options, plant, recorded, torque, units};
+use crate::common::{Folder, manifest, options, plant, recorded, torque, units};
 use diagnosis::Options;
 
 fn refused(folder: &Folder, options: &Options) -> String {

@@ -1,9 +1,6 @@
 //! A real lens: terms that nearly cancel, and a mount that is a little off.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{found, recorded};
+use crate::common::{found, recorded};
 use diagnosis::Verdict;
 
 #[test]

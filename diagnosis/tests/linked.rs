@@ -1,7 +1,6 @@
 //! Names of plant effects that look alike, judged with the states linked from row to row.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::{Diagnosis, Verdict, diagnose};
 

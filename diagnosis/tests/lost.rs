@@ -1,9 +1,8 @@
 //! A torque whose log lost rows: what the motor was told then is not known, and nothing is made of it.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, found, names, notice};
+use crate::common::{Folder, found, names, notice};
 use diagnosis::Verdict;
 
 /// Two runs with every 47th row of the torque lost, and without this log of the motion.

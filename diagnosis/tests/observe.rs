@@ -1,9 +1,8 @@
 //! The general data set: what is said is read and resolved, what is unknown is an error with line and suggestion.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::Folder;
+use crate::common::Folder;
 use diagnosis::Error;
 use diagnosis::testing::{Hold, InputEffect, Ports, Problem, Role, Scale, load_problem};
 use std::f64::consts::PI;

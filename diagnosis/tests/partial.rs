@@ -1,9 +1,8 @@
 //! Logs of pictures that hold a part of what a camera gives: some circles, or nothing but the angles that its vision read.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, found, names};
+use crate::common::{Folder, found, names};
 use diagnosis::Verdict;
 use diagnosis::rigs::acrobot::dataset::DataSet;
 

@@ -1,9 +1,6 @@
 //! What `record` writes of a finished run.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use diagnosis::rigs::acrobot::record::{Recording, record, recorded};
 use std::path::Path;
 

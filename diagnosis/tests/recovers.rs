@@ -1,10 +1,9 @@
 //! Effects that are hidden come back: recorded from the product's own units, which flatters the method (the judges
 //! of its numbers are the sets of `tests/hidden`), but shows that every part of the workflow is connected.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::Folder;
+use crate::common::Folder;
 use diagnosis::rigs::acrobot::record::{Recording, record};
 use diagnosis::testing::Random;
 use diagnosis::{Diagnosis, Options, Verdict, diagnose};

@@ -1,7 +1,6 @@
 //! What a model lacks is no scatter of stamps that stand evenly.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};
 use diagnosis::rigs::acrobot::dataset::DataSet;

@@ -1,7 +1,6 @@
 //! Encoders that read seldom, or in turn: what rows hold is used, and a start state is guessed from rows that hold an angle.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::diagnose;
 

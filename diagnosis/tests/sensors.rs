@@ -1,7 +1,6 @@
 //! Sensors other than the usual one: interlaced, and without noise.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::{Diagnosis, Verdict, diagnose};
 

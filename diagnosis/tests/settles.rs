@@ -1,7 +1,6 @@
 //! Effects that change nothing any more are dropped, and stand in the way of no other.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::Watch;
 use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};

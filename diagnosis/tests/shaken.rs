@@ -1,9 +1,6 @@
 //! What images show and no listed effect gives: a camera that shakes, frames that show another moment, with encoders and without.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{Folder, found, recorded};
+use crate::common::{Folder, found, recorded};
 use diagnosis::{Diagnosis, Verdict};
 use std::f64::consts::TAU;
 

@@ -1,10 +1,9 @@
 //! Logs stamped by clocks that have nothing to do with each other are set to one time, or put aside; stamps that scatter are put to
 //! the ticks of their clock, unless rows were taken so unevenly.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
-use common::{Folder, manifest, notice, plant};
+use crate::common::{Folder, manifest, notice, plant};
 use diagnosis::Error;
 use diagnosis::rigs::acrobot::dataset::DataSet;
 use diagnosis::testing::Random;

@@ -1,7 +1,6 @@
 //! Friction so strong that the joint sticks: windows begin in a phase in which their start state hardly shows.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::{Verdict, diagnose};
 

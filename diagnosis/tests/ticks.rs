@@ -1,7 +1,6 @@
 //! What a log says at ticks that are themselves a little off, and at its very beginning.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
+use crate::common;
 
 use diagnosis::rigs::acrobot::candidates::{Candidate, candidates};
 use diagnosis::rigs::acrobot::dataset::{DataSet, Table};

@@ -1,9 +1,6 @@
 //! Encoders whose zeros are off: found, told, and taken for no effect, with pictures and without.
 
-#[allow(dead_code)] // each test file uses a part of it
-mod common;
-
-use common::{Folder, found, names, notice, options, recorded, units};
+use crate::common::{Folder, found, names, notice, options, recorded, units};
 use diagnosis::{Budget, Doing, Options, diagnose};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};

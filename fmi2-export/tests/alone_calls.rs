@@ -1,8 +1,7 @@
 //! Each C function of the toy unit: what it answers, what it refuses, what it leaves unchanged.
 
 #![allow(unsafe_code)] // calls the C functions as a master does
-mod common;
-use common::{Instance, fmi2, vr};
+use crate::common::{Instance, fmi2, vr};
 use fmi2_export::abi::types;
 use std::ffi::c_void;
 use std::ptr;

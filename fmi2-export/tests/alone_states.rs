@@ -1,8 +1,7 @@
 //! Saved states of the toy unit: restored to the bit, here and elsewhere; damaged and foreign ones refused.
 
 #![allow(unsafe_code)] // calls the C functions as a master does
-mod common;
-use common::{Instance, fmi2, vr};
+use crate::common::{Instance, fmi2, vr};
 use std::ffi::c_void;
 use std::ptr;
 

@@ -1,7 +1,6 @@
 //! Times and step sizes of the toy unit: which roundings are let through, and which steps can be told.
 
-mod common;
-use common::Instance;
+use crate::common::Instance;
 
 /// At this time, before a stop.
 fn at(start: f64, stop: Option<f64>) -> Instance {

@@ -1,8 +1,7 @@
 //! The standard's table of legal calls (FMI 2.0 section 4.2.4), each mode against each function.
 
 #![allow(unsafe_code)] // calls the C functions as a master does
-mod common;
-use common::{Instance, fmi2, vr};
+use crate::common::{Instance, fmi2, vr};
 use std::ptr;
 
 /// The modes in which an instance can be, in the order of the columns below.

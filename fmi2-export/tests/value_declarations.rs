@@ -1,8 +1,7 @@
 //! Declarations beside the toy's: what their descriptions say, and which mistakes are told.
 
 #![allow(unsafe_code)] // calls the C functions as a master does
-mod common;
-use common::Toy;
+use crate::common::Toy;
 use fmi2_export::abi::{lifecycle, types};
 use fmi2_export::description::Unit;
 use fmi2_export::unit::{self, Unit as Physical};

@@ -1,8 +1,7 @@
 //! What the toy unit says of itself.
 
 #![allow(unsafe_code)] // calls the C functions as a master does
-mod common;
-use common::Toy;
+use crate::common::Toy;
 use fmi2_export::abi::{lifecycle, types};
 use fmi2_export::description::Unit;
 use fmi2_export::{Dependencies, Description, Experiment, Log, Model, ModelError, Step, unit};

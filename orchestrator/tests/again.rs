@@ -1,8 +1,8 @@
 //! What a simulation can do besides running once: other values, other threads, its scenario and its state written down.
 
-mod common;
+use crate::common;
 
-use common::{Units, build, connection, unit};
+use crate::common::{Units, build, connection, unit};
 use orchestrator::{Comparison, CsvRecorder, Ended, MemoryRecorder, Quiet, Scenario, Simulation, Value};
 
 #[test]

@@ -1,8 +1,8 @@
 //! Every algorithm over the same units: values against closed forms, multi-rate, delays, sources.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{CsvRecorder, Ended, MemoryRecorder, Progress, Quiet, Scenario, Sees, Simulation};
 use std::ops::ControlFlow;
 

@@ -1,8 +1,6 @@
 //! Units as some tools make them: values that are set before the experiment are lost, a reset leaves things behind, one instance a process.
 
-mod common;
-
-use common::{LEAKY, ONLY_ONCE, STATEFUL, Units, described_as_only_once, description, library_with};
+use crate::common::{LEAKY, ONLY_ONCE, STATEFUL, Units, described_as_only_once, description, library_with};
 use orchestrator::{Fmu, NoRecorder, Quiet, Scenario, Simulation};
 
 /// It begins anew when it is told of the experiment, as units of 20-sim do.

@@ -1,8 +1,8 @@
 //! How late a loop is, by its table and by what it does to an oscillation.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 
 #[test]

@@ -1,8 +1,6 @@
 //! Single calls of a unit's functions, through libraries that are strict about what they are given or tell it.
 
-mod common;
-
-use common::{STATEFUL, Units, description, library_with};
+use crate::common::{STATEFUL, Units, description, library_with};
 use orchestrator::fmu::{Begin, Instance, Status};
 use orchestrator::{Fmu, MemoryRecorder, Quiet, Scenario, Simulation, Value};
 

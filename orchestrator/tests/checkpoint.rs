@@ -1,8 +1,8 @@
 //! A run goes on from a checkpoint to the same bytes, whenever it was left.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{
     Checkpoint, Checkpoints, CsvRecorder, Ended, Isolation, Progress, Quiet, Scenario, Simulation, UnitPath,
 };
@@ -93,7 +93,7 @@ fn go_on(scenario: &Scenario, path: &UnitPath, folder: &Path, progress: &mut dyn
 
 #[test]
 fn unit_host() {
-    orchestrator::host_units(["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+    orchestrator::host_units(["--exact", "checkpoint::unit_host", "--nocapture", "--test-threads=1"]);
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn law_a_run_that_is_killed_again_and_again_gives_the_same_bytes() {
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let child = || {
         Command::new(std::env::current_exe().expect("this program"))
-            .args(["--exact", "law_a_run_that_is_killed_again_and_again_gives_the_same_bytes"])
+            .args(["--exact", "checkpoint::law_a_run_that_is_killed_again_and_again_gives_the_same_bytes"])
             .env(CHILD, folder.path())
             .env(UNITS, units.path())
             // Its units lie here, since a killed process cleans nothing up.

@@ -1,8 +1,8 @@
 //! What happens to values on their way: probe units stamp what they send with the time at which they send it.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{CsvRecorder, MemoryRecorder, Quiet, Scenario, Simulation};
 
 fn simulation(scenario: &str, algorithm: &str, units: &Units) -> Simulation {

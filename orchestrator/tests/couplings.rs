@@ -1,8 +1,8 @@
 //! Algorithms that take steps back: what they converge to, what they refuse, and that they go on from saved states.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{Ended, Error, MemoryRecorder, Quiet, Scenario, Simulation};
 
 /// x' = v, v' = -x.

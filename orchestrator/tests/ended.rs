@@ -3,9 +3,9 @@
 
 #![cfg(target_os = "linux")]
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{CsvRecorder, Guard, NoRecorder, Quiet, Recorder, Scenario, Simulation, Twice};
 use std::path::Path;
 use std::process::Command;
@@ -69,7 +69,7 @@ fn ended_of(units: &Units, fault: i32, algorithm: &str, unseen: bool) -> (Option
     let temporary = units.path().join("temporary");
     std::fs::create_dir(&temporary).expect("writable");
     let done = Command::new(std::env::current_exe().expect("this program"))
-        .args(["--exact", "runs", "--nocapture", "--test-threads=1"])
+        .args(["--exact", "ended::runs", "--nocapture", "--test-threads=1"])
         .env(CHILD, units.path())
         .env("TMPDIR", &temporary)
         .output()

@@ -1,8 +1,8 @@
 //! What is wrong in a scenario or a unit is said with file, line, name and what would be right.
 
-mod common;
+use crate::common;
 
-use common::{FEEDTHROUGH, Fixture, STATEFUL, Units};
+use crate::common::{FEEDTHROUGH, Fixture, STATEFUL, Units};
 use orchestrator::{Error, Fmu, MemoryRecorder, Quiet, Scenario, Simulation};
 
 /// Two units `a` and `b`; what a test adds begins at line 10.

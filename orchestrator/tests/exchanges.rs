@@ -1,9 +1,7 @@
 //! What goes between the master and a unit in a process of its own: reads that are made ahead, calls that fail among them, and the
 //! end of the process.
 
-mod common;
-
-use common::{STATEFUL, Units, description, library_with};
+use crate::common::{STATEFUL, Units, description, library_with};
 use orchestrator::fmu::{Instance, Status};
 use orchestrator::{Fmu, Isolation, Kind, Value};
 
@@ -11,7 +9,10 @@ use orchestrator::{Fmu, Isolation, Kind, Value};
 #[test]
 fn unit_host() {
     let program = std::env::current_exe().expect("this program");
-    orchestrator::host_units_by(program, ["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+    orchestrator::host_units_by(
+        program,
+        ["--exact", "exchanges::unit_host", "--nocapture", "--test-threads=1"],
+    );
 }
 
 /// What reads reals, with something done before each; y2 tells how many such calls there were.
@@ -286,7 +287,7 @@ fn law_a_process_ends_with_its_master() {
     );
     both(&units, "endless.fmu", &[writes]);
     let mut master = std::process::Command::new(std::env::current_exe().expect("this program"))
-        .args(["--exact", "law_a_process_ends_with_its_master"])
+        .args(["--exact", "exchanges::law_a_process_ends_with_its_master"])
         .env(MASTER, units.path())
         .env("TMPDIR", units.path())
         .stdout(std::process::Stdio::null())

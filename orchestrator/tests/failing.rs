@@ -1,8 +1,8 @@
 //! A unit that fails: it is named, and the others are where they would be had they stepped one after the other.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{Scenario, Simulation};
 
 #[test]

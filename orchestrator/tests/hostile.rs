@@ -1,8 +1,8 @@
 //! Units and archives that mean no good, or don't know better: the run survives them and says what was odd.
 
-mod common;
+use crate::common;
 
-use common::{STATEFUL, Units};
+use crate::common::{STATEFUL, Units};
 use orchestrator::{CsvRecorder, Ended, Error, Fmu, MemoryRecorder, Quiet, Scenario, Simulation};
 
 /// One unit with a fault from 0.5 s on, stepping by 1/8 s to 1 s.
@@ -227,7 +227,7 @@ fn law_a_unit_is_told_the_tolerance_that_its_description_proposes() {
 /// The units' processes are this program with only this test, which serves them and never returns.
 #[test]
 fn unit_host() {
-    orchestrator::host_units(["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+    orchestrator::host_units(["--exact", "hostile::unit_host", "--nocapture", "--test-threads=1"]);
 }
 
 fn open(units: &Units, name: &str) -> String {
@@ -256,7 +256,7 @@ fn law_limits_can_be_moved() {
         return;
     }
     let child = std::process::Command::new(std::env::current_exe().expect("this program"))
-        .args(["--exact", "law_limits_can_be_moved"])
+        .args(["--exact", "hostile::law_limits_can_be_moved"])
         .envs([(CHILD, "1"), ("ACROSCOPE_MAX_UNPACKED", "1K"), ("ACROSCOPE_MAX_ENTRIES", "50")])
         .output()
         .expect("starts");

@@ -1,8 +1,8 @@
 //! What a master needs that runs a scenario inside another system, and what only looks on.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{
     Column, CsvRecorder, Error, MemoryRecorder, NoRecorder, Progress, Quiet, Recorder, Row, Scenario,
     Simulation, Twice,

@@ -1,15 +1,15 @@
 //! Units in processes of their own: the same bits as in this one, and a clear end whatever they do.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{CsvRecorder, Error, Isolation, Kind, MemoryRecorder, Quiet, Scenario, Simulation, Value};
 use std::time::Duration;
 
 /// The units' processes are this program with only this test, which serves them and never returns.
 #[test]
 fn unit_host() {
-    orchestrator::host_units(["--exact", "unit_host", "--nocapture", "--test-threads=1"]);
+    orchestrator::host_units(["--exact", "isolated::unit_host", "--nocapture", "--test-threads=1"]);
 }
 
 /// Three units at three rates with all types, a delay, a source and a last step that is shorter.

@@ -1,8 +1,6 @@
 //! A run that is killed leaves a readable file up to its last full second.
 
-mod common;
-
-use common::Units;
+use crate::common::Units;
 use orchestrator::{CsvRecorder, Quiet, Scenario, Simulation};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -25,7 +23,7 @@ fn law_a_killed_run_leaves_whole_rows_up_to_its_last_second() {
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let file = folder.path().join("results.csv");
     let mut child = Command::new(std::env::current_exe().expect("this program"))
-        .args(["--exact", "law_a_killed_run_leaves_whole_rows_up_to_its_last_second"])
+        .args(["--exact", "killed::law_a_killed_run_leaves_whole_rows_up_to_its_last_second"])
         .env(CHILD, &file)
         // Its units lie here, since a killed process cleans nothing up.
         .env("TMPDIR", folder.path())

@@ -1,9 +1,7 @@
 //! Large systems: what it takes to open them grows as they do, and no faster. Bytes are counted, which are the same on
 //! every machine; instructions are in `benches/instructions.txt`.
 
-mod common;
-
-use common::{Units, library};
+use crate::common::{Units, library};
 use orchestrator::{Fmu, NoRecorder, Quiet, Scenario, Simulation};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

@@ -1,8 +1,8 @@
 //! Loops of outputs that depend on each other at once: solved at the start, or named.
 
-mod common;
+use crate::common;
 
-use common::{FEEDTHROUGH, Fixture, Units, build, connection, unit};
+use crate::common::{FEEDTHROUGH, Fixture, Units, build, connection, unit};
 use orchestrator::Quiet;
 
 #[test]

@@ -1,8 +1,8 @@
 //! Connections with a table of values: Integers, Booleans and enumerations.
 
-mod common;
+use crate::common;
 
-use common::{STATEFUL, Units, description};
+use crate::common::{STATEFUL, Units, description};
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 
 fn scenario(map: &str, from: &str, to: &str) -> String {

@@ -1,8 +1,8 @@
 //! What single algorithms promise: an order that follows from the units, threads that change no bit, lines of second order.
 
-mod common;
+use crate::common;
 
-use common::{FEEDTHROUGH, Fixture, STATEFUL, Units, description};
+use crate::common::{FEEDTHROUGH, Fixture, STATEFUL, Units, description};
 use orchestrator::{CsvRecorder, MemoryRecorder, Quiet, Scenario, Simulation};
 
 fn simulation(text: &str, algorithm: &str, units: &Units) -> Simulation {

@@ -1,8 +1,8 @@
 //! Connections that scale what they carry.
 
-mod common;
+use crate::common;
 
-use common::Units;
+use crate::common::Units;
 use orchestrator::{Scenario, Simulation};
 
 fn scenario(connection: &str) -> String {

@@ -1,8 +1,6 @@
 //! The start: values along dependencies, and where a run begins and ends.
 
-mod common;
-
-use common::{Units, build, connection, unit};
+use crate::common::{Units, build, connection, unit};
 use orchestrator::{Comparison, Ended, MemoryRecorder, Quiet, Scenario, Simulation};
 
 #[test]

@@ -1,8 +1,6 @@
 //! Sources from files and texts that a unit is started with: what is wrong in them is said with its place.
 
-mod common;
-
-use common::Units;
+use crate::common::Units;
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 
 /// A unit whose input comes from `u.csv`.

@@ -1,8 +1,8 @@
 //! Types, enumerations and units of measurement of what goes along a connection.
 
-mod common;
+use crate::common;
 
-use common::{FEEDTHROUGH, Fixture, STATEFUL, Units, build, connection, unit};
+use crate::common::{FEEDTHROUGH, Fixture, STATEFUL, Units, build, connection, unit};
 use orchestrator::{CsvRecorder, MemoryRecorder, Quiet, Simulation, Value};
 
 #[test]

@@ -1,7 +1,6 @@
 //! A small unit for the tests, the C functions it exports, and a safe way to call them.
 
 #![allow(unsafe_code)] // calls the C functions as a master does
-#![allow(dead_code, unused_imports)] // each test binary uses its own part
 
 use fmi2_export::abi::types::{Callbacks, Component, LoggerCallback, Status, Text};
 use fmi2_export::{Dependencies, Description, Experiment, Log, LogCategory, Model, ModelError, Step, unit};

@@ -1,11 +1,10 @@
 //! Working only where circles are gives exactly what whole frames give.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
 use camera::photometry::{Area, FrameMaker, Shot, noise::Keys, noise::gain, quantise, tails};
 use camera::scene::Pose;
 use camera::vision::{Component, Labeller};
-use common::*;
 
 const SETTINGS: [(&str, Change); 8] = [
     ("clean", |_| ()),

@@ -1,9 +1,8 @@
 //! Which region is which circle: found from nothing wherever the robot may stand, and never wrong.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
 use camera::scene::Pose;
-use common::*;
 
 /// The lenses of Section 4.1.2 at their strongest, with areas let through.
 const LENSES: [(&str, Change); 12] = [

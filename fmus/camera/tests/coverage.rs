@@ -1,10 +1,9 @@
 //! Pixels are covered as much as the exact outline covers them, and centroids scatter as those of a true disc.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
 use camera::photometry::{FrameMaker, Shot};
 use camera::scene::Pose;
-use common::*;
 
 fn maker(variables: &Variables) -> FrameMaker {
     FrameMaker::new(&variables.scene, &variables.sensor, &variables.effects).expect("legal parameters")

@@ -1,12 +1,11 @@
 //! Each effect: the identity at its off value, and alone changing only what it claims.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
 use camera::effects::{Effects, Lens};
 use camera::geometry::Projection;
 use camera::photometry::{FrameMaker, Shot};
 use camera::scene::Pose;
-use common::*;
 use fmi2_export::{Kind, ModelError, SlotMut, Table};
 
 fn projection(effects: &Effects) -> Result<Projection, ModelError> {

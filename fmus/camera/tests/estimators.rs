@@ -1,9 +1,8 @@
 //! The estimators beside the paper's: how well they place a circle.
 
-mod common;
+use crate::common::*;
 use camera::photometry::{FrameMaker, Shot};
 use camera::scene::Pose;
-use common::*;
 
 /// Centroid errors of circles 2 and 3 (px per axis, rms) at random poses.
 fn scatter(estimator: i32, interlaced: bool, sigma: f64, passes: i32, n: usize) -> f64 {

@@ -1,13 +1,12 @@
 //! Which frames there are, how many sub-frames an exposure has and where, and the queue of results.
 
-mod common;
+use crate::common::*;
 use camera::photometry::{FrameMaker, Shot};
 use camera::scene::Pose;
 use camera::shutter::clock::has_come;
 use camera::shutter::exposure::{MOST, SPACING_PX, sub_frames};
 use camera::shutter::history::{History, Motion, Segment};
 use camera::shutter::{FrameClock, Queue};
-use common::*;
 
 #[test]
 fn every_start_has_the_first_frame_that_ends_then_or_later() {

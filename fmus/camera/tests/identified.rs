@@ -1,10 +1,9 @@
 //! How far off circles may look and still be identified: each limit of the geometry, from features put beside it.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
 use camera::scene::Pose;
 use camera::vision::{Feature, correspondence};
-use common::*;
 
 /// Features at places in world units; 25.6 px each.
 fn at((x, y): (f64, f64)) -> Feature {

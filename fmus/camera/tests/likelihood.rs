@@ -1,12 +1,11 @@
 //! The most likely centre of a disc: found from beside it, from a part of it, by the pixels that tell, or not at all.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
 use camera::geometry::{Outline, UnitCircle};
 use camera::photometry::{Area, Coverage, Mask, Plane};
 use camera::vision::likelihood::{Expected, Likelihood, Seen};
 use camera::vision::{Component, Finder, View};
-use common::*;
 
 const SIZE: usize = 48;
 

@@ -1,9 +1,8 @@
 //! Limits to the last pixel, odd sensors, resets: what a small fault in the code would slip through elsewhere.
 
-mod common;
+use crate::common::*;
 use camera::vision::{Feature, correspondence};
 use camera::{Camera, Variables};
-use common::*;
 use fmi2_export::{Model, ModelError};
 
 /// Outputs of three frames of a moving robot.

@@ -1,11 +1,10 @@
 //! The noise: its law, its independence of region and order, and the same bits on every path.
 
-mod common;
+use crate::common::*;
 use camera::photometry::noise::{self, Keys};
 use camera::photometry::plane::{Mask, Plane};
 use camera::photometry::quantise::{Span, portable};
 use camera::photometry::{Area, quantise, simd};
-use common::*;
 
 /// Normal distribution function by Simpson's rule on the density (1e-10).
 fn normal(x: f64) -> f64 {

@@ -1,10 +1,9 @@
 //! Outlines of circles: how many vertices, where they lie, and what is said of their box and their edges.
 
-mod common;
+use crate::common::*;
 use camera::geometry::outline::COVERAGE_ERROR;
 use camera::geometry::{Outline, Projection, STRIPS, UnitCircle};
 use camera::{Camera, Variables};
-use common::*;
 use std::f64::consts::{PI, TAU};
 
 /// From each vertex to the next one.

@@ -1,8 +1,7 @@
 //! Sections 3.2 and 4.1 of the paper from rendered frames; numbers of docs/claims.md beside each.
 
-mod common;
+use crate::common::*;
 use camera::Variables;
-use common::*;
 
 /// Poses along each arm of the manifold. The rms settle to 2 % at this number.
 const POSES: usize = 800;

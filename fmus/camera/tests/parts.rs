@@ -1,8 +1,7 @@
 //! Rounding as the kernels do it, in vector code without casts: against the functions of the standard library.
 
-mod common;
+use crate::common::*;
 use camera::photometry::{PARTS, edges, parts, quantise};
-use common::*;
 
 #[test]
 fn every_value_is_rounded_as_floor_and_round_do() {

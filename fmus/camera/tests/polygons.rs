@@ -1,9 +1,8 @@
 //! Areas of pixels, and polygons over them whatever way they cross the grid and the borders: against exact clipping.
 
-mod common;
+use crate::common::*;
 use camera::geometry::STRIPS;
 use camera::photometry::{Area, Coverage};
-use common::*;
 use std::collections::BTreeSet;
 
 fn pixels(area: &Area) -> BTreeSet<(usize, usize)> {

@@ -1,11 +1,10 @@
 //! What is made of a frame where only an area of it is asked for, and how well the words of the noise are mixed.
 
-mod common;
+use crate::common::*;
 use camera::photometry::Area;
 use camera::photometry::noise::{Keys, gain, mixed};
 use camera::photometry::plane::{BLOCK, Mask, Plane};
 use camera::photometry::quantise::quantise;
-use common::*;
 
 #[test]
 fn every_area_is_made_as_it_is_in_the_whole_frame_and_nothing_beside_it() {

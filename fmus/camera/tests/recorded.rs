@@ -1,10 +1,9 @@
 //! Frames that were recorded are looked at as those that the unit has rendered.
 
-mod common;
+use crate::common::*;
 use camera::photometry::{FrameMaker, Shot};
 use camera::recorded::Recorded;
 use camera::scene::Pose;
-use common::*;
 
 const SETTINGS: [(&str, Change); 5] = [
     ("as it is", |_| ()),

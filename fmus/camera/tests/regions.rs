@@ -1,9 +1,8 @@
 //! Regions of masks: every number of each, in windows of any place and in fields, as a flood fill finds them.
 
-mod common;
+use crate::common::*;
 use camera::photometry::{Area, Mask, Plane};
 use camera::vision::{Component, Labeller, View, grey, select};
-use common::*;
 
 const WIDTH: usize = 150;
 const HEIGHT: usize = 40;

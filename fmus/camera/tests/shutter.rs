@@ -1,10 +1,9 @@
 //! Which poses a frame sees, when its result arrives, and that a saved state goes on to the bit.
 
-mod common;
+use crate::common::*;
 use camera::scene::Pose;
 use camera::shutter::history::{History, Motion, Segment};
 use camera::{Camera, Variables};
-use common::*;
 use fmi2_export::{Experiment, Model, Step};
 
 /// Some smooth motion near the upright: pose and rates.

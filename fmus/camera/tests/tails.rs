@@ -1,6 +1,5 @@
 //! The tails of the noise by themselves: how many pixels lie in them, and how far out.
 
-mod common;
 use camera::photometry::noise::{self, Keys};
 use camera::photometry::quantise::{Span, reaches, rounded};
 use camera::photometry::tails;

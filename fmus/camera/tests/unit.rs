@@ -1,10 +1,9 @@
 //! The unit as a master sees it: limits of its variables, what it logs, and what each output shows.
 
-mod common;
+use crate::common::*;
 use camera::recorded::Recorded;
 use camera::scene::Pose;
 use camera::{Camera, Variables};
-use common::*;
 use fmi2_export::{Experiment, Log, Model, Slot, SlotMut, Step, Table};
 
 fn set(variables: &mut Variables, index: usize, value: f64) {

@@ -1,7 +1,6 @@
 //! Each effect taken alone: what it changes, and that it changes nothing else; nothing at all at its off value.
 
-mod common;
-use common::{Rig, WILD};
+use crate::common::{Rig, WILD};
 use fmi2_export::{Kind, Slot, SlotMut, Table};
 use mechanics::Theta;
 use plant::Variables;

@@ -1,7 +1,6 @@
 //! Commands along lines, and of either sign, through each stage of the actuator, against closed forms.
 
-mod common;
-use common::Rig;
+use crate::common::Rig;
 use plant::Variables;
 
 /// The torque at the joint after one step of a second along the command `value + rate·t`.

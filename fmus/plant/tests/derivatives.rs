@@ -1,7 +1,6 @@
 //! Directional derivatives of the plant beside the linearisation and beside neighbouring states, where friction sticks, too.
 
-mod common;
-use common::{Rig, WILD, busy};
+use crate::common::{Rig, WILD, busy};
 use fmi2_export::Model;
 use mechanics::Theta;
 

@@ -1,7 +1,7 @@
 //! Links that know nothing of each other, nor of gravity: motions, turns and contacts in closed form.
 
-mod common;
-use common::{Kept, NO_CONTACT, Rig};
+use crate::common;
+use crate::common::{Kept, NO_CONTACT, Rig};
 use fmi2_export::{Model, Step};
 use plant::Variables;
 

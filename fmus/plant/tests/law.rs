@@ -1,7 +1,6 @@
 //! Energy, symmetry, and independence of the communication step.
 
-mod common;
-use common::{Rig, WILD, distance};
+use crate::common::{Rig, WILD, distance};
 use mechanics::Theta;
 use plant::Variables;
 

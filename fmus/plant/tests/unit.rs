@@ -1,7 +1,6 @@
 //! The plant as a unit: start, states, derivatives, contact, refusals.
 
-mod common;
-use common::{Kept, NO_CONTACT, Rig, Silence, WILD, busy};
+use crate::common::{Kept, NO_CONTACT, Rig, Silence, WILD, busy};
 use fmi2_export::{Experiment, Model, ModelError, Step};
 use plant::{Plant, Variables};
 

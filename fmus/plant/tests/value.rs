@@ -1,7 +1,6 @@
 //! The plant against numbers of another integration: reference.py in this folder, which says how to run it.
 
-mod common;
-use common::{Rig, WILD, distance};
+use crate::common::{Rig, WILD, distance};
 use plant::Variables;
 use std::f64::consts::PI;
 

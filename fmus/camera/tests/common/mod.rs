@@ -1,5 +1,4 @@
 //! What the tests share: a still robot before the camera, and the manifold (13).
-#![allow(dead_code)] // each test file uses its own part
 
 use camera::{Camera, Variables};
 use fmi2_export::{Experiment, Log, Model, Step};

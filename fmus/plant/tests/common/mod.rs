@@ -1,5 +1,4 @@
 //! A plant driven by hand through [`Model`], for all tests of this crate.
-#![allow(dead_code)] // each test file uses its part
 
 use fmi2_export::{Experiment, Log, Model, ModelError, Step};
 use plant::{Plant, Variables};

@@ -1,0 +1,35 @@
+//! All tests of the crate in one program: each file linked on its own takes seconds.
+
+mod any_unit;
+mod bad_data;
+mod bent;
+mod blurred;
+mod clean;
+mod common;
+mod correction;
+mod detectable;
+mod falls;
+mod fit;
+mod free_swing;
+mod gap;
+mod incline;
+mod infer;
+mod input;
+mod lens;
+mod linked;
+mod lost;
+mod observe;
+mod partial;
+mod policy_any;
+mod record;
+mod recovers;
+mod scatter;
+mod seldom;
+mod sensors;
+mod settles;
+mod shaken;
+mod stamps;
+mod statistics;
+mod sticking;
+mod ticks;
+mod zeros;

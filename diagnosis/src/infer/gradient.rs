@@ -13,7 +13,7 @@
 
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::sweep::{Interval, Kept, dimension, direction};
+use super::sweep::{Interval, Kept, direction, sized};
 
 /// A derivative by a logarithm, and the curvature that is expected there.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -86,15 +86,7 @@ pub fn gradient(
 }
 
 fn of_run(run: &Linearised, noise: &Noise, columns: &[usize], shift: &[f64], kept: &Kept) -> Gradient {
-    macro_rules! sized {
-        ($n:expr; $($size:literal)*) => {
-            match $n {
-                $($size => backward::<$size>(run, noise, columns, shift, kept),)*
-                more => unreachable!("{more} states; the pipeline refuses more than {}", super::sweep::MOST_STATES),
-            }
-        };
-    }
-    sized!(dimension(run, noise); 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
+    sized!(run, noise; backward(run, noise, columns, shift, kept))
 }
 
 /// The gradient of one run for N states, an unlisted input among them, from the last row to the first.

@@ -5,7 +5,7 @@
 
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::sweep::{Interval, Kept, MOST_STATES, dimension, direction, sweep_kept};
+use super::sweep::{Interval, Kept, dimension, direction, sized, sweep_kept};
 
 /// What is most likely, given all values of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,15 +22,7 @@ pub struct Smoothed {
 
 /// Smooths a run.
 pub fn smooth(run: &Linearised, noise: &Noise) -> Smoothed {
-    macro_rules! sized {
-        ($n:expr; $($size:literal)*) => {
-            match $n {
-                $($size => backward::<$size>(run, noise),)*
-                more => unreachable!("{more} states; the pipeline refuses more than {MOST_STATES}"),
-            }
-        };
-    }
-    sized!(dimension(run, noise); 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
+    sized!(run, noise; backward(run, noise))
 }
 
 fn backward<const N: usize>(run: &Linearised, noise: &Noise) -> Smoothed {
@@ -45,7 +37,7 @@ fn backward<const N: usize>(run: &Linearised, noise: &Noise) -> Smoothed {
     };
     let mut adjoint = [0.0; N];
     for row in (0..rows).rev() {
-        for i in 0..N {
+        for i in 0..dimension(run, noise) {
             let spread = &kept.covariance[(row * N + i) * N..(row * N + i + 1) * N];
             let pull: f64 = spread.iter().zip(&adjoint).map(|(p, adjoint)| p * adjoint).sum();
             let state = kept.mean[row * N + i] - pull;

@@ -43,7 +43,7 @@ pub fn sweep(run: &Linearised, noise: &Noise, columns: &[usize]) -> Reduced {
     dispatch(run, noise, columns, None)
 }
 
-/// Runs the filter without columns, and keeps what smoothing needs: N numbers a state of a row, where N is [`dimension`].
+/// Runs the filter without columns, and keeps what smoothing needs: N numbers a state of a row, where N is the size of [`sized`].
 pub fn sweep_kept(run: &Linearised, noise: &Noise) -> (Reduced, Kept) {
     let mut kept = Kept::default();
     let reduced = dispatch(run, noise, &[], Some(&mut kept));
@@ -69,18 +69,24 @@ pub fn dimension(run: &Linearised, noise: &Noise) -> usize {
     run.states + usize::from(noise.disturbance.is_some())
 }
 
+/// Calls a function for as many states as there are, or the next larger size that it is compiled for: states that nothing moves change no bit,
+/// and each size takes seconds to compile.
 macro_rules! sized {
-    ($n:expr, $run:expr, $noise:expr, $columns:expr, $kept:expr; $($size:literal)*) => {
+    ($run:expr, $noise:expr; $of:ident($($argument:expr),*)) => {
+        $crate::infer::sweep::sized!(@ $crate::infer::sweep::dimension($run, $noise), $of, ($($argument),*); 0 1 2 3 4 5 6 8 10 12 16 24)
+    };
+    (@ $n:expr, $of:ident, $arguments:tt; $($size:literal)*) => {
         match $n {
-            $($size => filter::<$size>($run, $noise, $columns, $kept),)*
-            more => unreachable!("{more} states; the pipeline refuses more than {MOST_STATES}"),
+            $(..=$size => $crate::infer::sweep::sized!(@call $of, $size, $arguments),)*
+            more => unreachable!("{more} states; the pipeline refuses more than {}", $crate::infer::sweep::MOST_STATES),
         }
     };
+    (@call $of:ident, $size:literal, ($($argument:expr),*)) => { $of::<$size>($($argument),*) };
 }
+pub(super) use sized;
 
 fn dispatch(run: &Linearised, noise: &Noise, columns: &[usize], kept: Option<&mut Kept>) -> Reduced {
-    let n = dimension(run, noise);
-    sized!(n, run, noise, columns, kept; 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24)
+    sized!(run, noise; filter(run, noise, columns, kept))
 }
 
 /// Transition of one interval with the unlisted input as the last state, and the covariance of the process noise.

@@ -61,6 +61,8 @@ fn run_of(n: usize) -> Linearised {
         direct: numbers.some(measured.len() * p, 0.3),
         start: (numbers.some(n, 0.3), [0.8, 1.2, 0.5].into_iter().cycle().take(n).collect()),
         follows: Vec::new(),
+        // the last state stands for one behind those of the machine
+        late: numbers.some((rows - 1) * (n - 1), 20.0),
         // behind one interval the state is as unknown as the first
         torn: (0..rows - 1).map(|row| row == 2).collect(),
         left_out: 0.0,
@@ -95,7 +97,8 @@ fn dense(run: &Linearised, noise: &Noise) -> Dense {
     let used: Vec<usize> = (0..run.measured.len()).filter(|v| run.measured[*v].weight > 0.0).collect();
     let wide = n + 1;
     let noises = wide + (rows - 1) * wide + used.len();
-    let all = noises + (rows - 1) * n;
+    let clock = noises + (rows - 1) * n;
+    let all = clock + rows - 1;
     let mut state = DMatrix::zeros(wide, all);
     let mut mean = DVector::zeros(wide);
     let mut sensitivity = DMatrix::zeros(wide, p);
@@ -157,6 +160,10 @@ fn dense(run: &Linearised, noise: &Noise) -> Dense {
         let mut pushed = &g * &w + state.rows(0, n);
         if run.is_torn(row) {
             (0..n).for_each(|i| pushed[(i, noises + row * n + i)] = run.start.1[i]);
+        }
+        for i in 0..n - 1 {
+            pushed[(i, clock + row)] =
+                if run.is_torn(row) { 0.0 } else { noise.jitter * run.late[row * (n - 1) + i] };
         }
         state.rows_mut(0, n).copy_from(&pushed);
         out.process.push(w);
@@ -239,6 +246,7 @@ fn white(loud: impl Fn(usize) -> bool, size: f64) -> Linearised {
         measured: (0..rows).map(measured).collect(),
         observe: vec![0.0; rows],
         direct: vec![1.0; rows],
+        late: Vec::new(),
         start: (vec![0.0], vec![1.0]),
         follows: Vec::new(),
         torn: Vec::new(),

@@ -112,6 +112,7 @@ impl<'a> Assembly<'a> {
             for place in 0..out.parameters {
                 out.drive.extend((0..n).map(|i| self.column(row, place, i)));
             }
+            out.late.extend((0..n).map(|i| part.late.get(i).copied().unwrap_or(0.0)));
         }
     }
 

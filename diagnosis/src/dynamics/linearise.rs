@@ -4,7 +4,7 @@
 //! each parameter of a unit. `assemble.rs` makes a linearised run of them.
 
 use super::assemble::Assembly;
-use super::grid::Grid;
+use super::grid::{Grid, usual};
 use super::input_begin::{self, Begin};
 use super::lag;
 use super::machine::{Machine, Reference, Role};
@@ -69,6 +69,8 @@ pub(super) struct RowParts {
     pub inputs: Vec<Vec<f64>>,
     /// By the chords; empty for one at a port whose derivative follows from those above.
     pub simulated: Vec<Vec<f64>>,
+    /// By the time at which the inputs act, per s; empty where none of them moves.
+    pub late: Vec<f64>,
     /// Outputs where the interval begins, with the inputs that act in it: they jump at a row where they follow an input at once.
     pub begun: Vec<f64>,
 }
@@ -139,8 +141,11 @@ impl Engine {
             )));
         }
         let (beside, begins) = (&self.beside(grid, theta, chords), &begins[..]);
-        let about =
-            RunAt { engine: self, run, grid, schedule: &schedule, beside, theta, path, chords, begins };
+        let by = DYNAMICS.most_jitter * usual(&grid.time);
+        let late = (self.machine.horizon == 0 && by.is_finite())
+            .then(|| (Schedule::later(&self.machine, grid, theta, by), by));
+        let (schedule, late) = (&schedule, late.as_ref());
+        let about = RunAt { engine: self, run, grid, schedule, beside, late, theta, path, chords, begins };
         let moved = self.moved_inputs(&about);
         let parts = about.differences(&moved)?;
         Ok(Assembly::new(about, &parts, moved).linearised())
@@ -191,6 +196,8 @@ pub(super) struct RunAt<'a> {
     pub schedule: &'a Schedule,
     /// The same along each chord that moves an input within its intervals.
     pub beside: &'a [Option<Schedule>],
+    /// What is fed when all inputs act later by so much, s; nothing where states are read through the rows that follow.
+    pub late: Option<&'a (Schedule, f64)>,
     /// All parameters, each in its own unit.
     pub theta: &'a [f64],
     /// States, n a row, each in its own unit.
@@ -237,6 +244,7 @@ impl RunAt<'_> {
             states: self.by_states(worker, &job, &base)?,
             inputs: self.by_inputs(worker, &job, &base, moved)?,
             simulated: self.by_simulation(worker, row, &job, &base)?,
+            late: self.by_time(worker, row, &job, &base)?,
             begun: self.begun(worker, &job, &base)?,
             base,
         })
@@ -298,6 +306,25 @@ impl RunAt<'_> {
             columns.push(difference(&out, base, step));
         }
         Ok(columns)
+    }
+
+    /// ∂/∂(time at which the inputs act) of the state at an interval's end, per s; empty where none of them moves within it.
+    fn by_time(
+        &self,
+        worker: &mut Worker,
+        row: usize,
+        job: &Job<'_>,
+        base: &[f64],
+    ) -> Result<Vec<f64>, Error> {
+        let (n, mut out) = (self.engine.machine.order(), Vec::new());
+        let Some((schedule, by)) = self.late.filter(|_| !job.fed.is_empty()) else { return Ok(out) };
+        let there = self.engine.job(self.grid, schedule, row, job.states);
+        if there.fed != job.fed || there.pieces != job.pieces {
+            let later = Job { parameters: job.parameters, ..there };
+            worker.interval(&self.engine.machine, &later, &mut out)?;
+            out.truncate(n);
+        }
+        Ok(difference(&out, base, *by))
     }
 
     /// What an interval gives along each chord of a unit's parameter, and along those that move an input within it; an empty column for any

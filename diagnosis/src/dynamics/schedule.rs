@@ -98,7 +98,13 @@ pub fn output_effects(machine: &Machine, theta: &[f64]) -> Vec<output::Effects> 
 impl Schedule {
     /// Of a run with these parameters.
     pub fn new(machine: &Machine, grid: &Grid, theta: &[f64]) -> Self {
-        let effects = input_effects(machine, theta);
+        Self::later(machine, grid, theta, 0.0)
+    }
+
+    /// The same where every input acts later by so much than its log says, s.
+    pub fn later(machine: &Machine, grid: &Grid, theta: &[f64], by: f64) -> Self {
+        let mut effects = input_effects(machine, theta);
+        effects.iter_mut().for_each(|effects| effects.delay += by);
         let lines: Vec<input::Lines> = grid
             .inputs
             .iter()

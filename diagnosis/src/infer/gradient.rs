@@ -185,6 +185,13 @@ impl<const N: usize> Adjoint<N> {
             }
             sum.process[equation].add(q * q / dt, twice - along * along, twice);
         }
+        let late = run.late(row);
+        let along: f64 = late.iter().zip(&self.mean).map(|(late, r)| late * r).sum();
+        let through = |(late, spread): (&f64, &[f64; N])| -> f64 {
+            late * spread.iter().zip(run.late(row)).map(|(spread, late)| spread * late).sum::<f64>()
+        };
+        let twice: f64 = late.iter().zip(&self.spread).map(through).sum();
+        sum.jitter.add(noise.jitter * noise.jitter, twice - along * along, twice);
         let variance = noise.disturbance.map(|_| step.covariance[n][n]);
         self.add_disturbance(n, variance, sum);
         self.mean =

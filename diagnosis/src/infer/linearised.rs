@@ -41,6 +41,9 @@ pub struct Linearised {
     pub drive: Vec<f64>,
     /// F(x̂(k)) - x̂(k+1) of each interval (n numbers an interval, in the states' units).
     pub defect: Vec<f64>,
+    /// What each interval ends with when the inputs act later than their timestamps say: ∂F/∂(time), per s, as many numbers an interval as
+    /// the machine has states. Empty: nothing is fed.
+    pub late: Vec<f64>,
     /// Where the values of each row begin in `measured`; one more than rows.
     pub first: Vec<usize>,
     /// The measured values, in the order of rows.
@@ -78,6 +81,13 @@ impl Linearised {
         self.torn.get(row).copied().unwrap_or(false)
     }
 
+    /// What an interval ends with when the inputs act later, per s; states behind those of the machine don't know of it, nor does one that
+    /// nothing is known of.
+    pub fn late(&self, row: usize) -> &[f64] {
+        let each = self.late.len() / (self.rows() - 1).max(1);
+        if self.is_torn(row) { &[] } else { &self.late[row * each..(row + 1) * each] }
+    }
+
     /// Length of the interval after a row, s.
     pub fn interval(&self, row: usize) -> f64 {
         self.time[row + 1] - self.time[row]
@@ -111,6 +121,7 @@ impl Linearised {
             first: self.first.clone(),
             measured: self.measured.clone(),
             observe: self.observe.clone(),
+            late: self.late.clone(),
             torn: self.torn.clone(),
             left_out: self.left_out,
             start: self.start.clone(),

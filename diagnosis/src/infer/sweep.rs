@@ -124,6 +124,10 @@ impl<const N: usize> Interval<N> {
                 }
             }
         }
+        for (i, late) in run.late(row).iter().enumerate() {
+            let weighted = late * noise.jitter * noise.jitter;
+            run.late(row)[..=i].iter().zip(&mut covariance[i]).for_each(|(other, c)| *c += weighted * other);
+        }
         if let Some(unlisted) = noise.disturbance {
             let keeps = libm::exp(-dt / unlisted.memory);
             for (i, to) in transition.iter_mut().enumerate().take(n) {

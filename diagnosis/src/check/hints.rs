@@ -13,7 +13,7 @@ use orchestrator::fmu::Description;
 
 /// The problem with notices of what looks odd in it.
 pub(crate) fn hinted(problem: &Problem) -> Problem {
-    let hints = [small_noise, rows_between_steps, held_ramps];
+    let hints = [small_noise, rows_between_steps, other_clock, held_ramps];
     let mut hinted = problem.clone();
     hinted.notices.extend(hints.iter().flat_map(|hint| hint(problem)));
     hinted
@@ -73,6 +73,25 @@ fn off_step(unit: &str, description: &Description, intervals: &[f64]) -> Option<
         brief(step)
     );
     (odd as f64 > DOUBTS.odd_rows * all as f64).then(|| notice(0, message))
+}
+
+/// Runs whose rows are far closer than the others', or far less close: one of them may be in another unit of time.
+fn other_clock(problem: &Problem) -> Vec<Notice> {
+    let steps: Vec<Option<f64>> = problem.runs.iter().map(|run| median(intervals(run))).collect();
+    let Some(usual) = median(steps.iter().copied().flatten()) else { return Vec::new() };
+    let is_other = |step: &f64| (step / usual).max(usual / step) >= DOUBTS.other_clock;
+    let told = |(run, step): (&Run, &Option<f64>)| {
+        let step = step.filter(is_other)?;
+        let message = format!(
+            "{}: its rows are {} s apart, and those of other runs {} s: if its times are in another unit than is said, write it to this [[run]], \
+             time = {{ unit = \"s\" }} or what they are in",
+            run.name,
+            brief(step),
+            brief(usual)
+        );
+        Some(notice(run.line, message))
+    };
+    problem.runs.iter().zip(&steps).filter_map(told).collect()
 }
 
 /// Distances of a run's rows, s.
@@ -156,6 +175,23 @@ mod tests {
         // what swings without noise is no noise, however little is stated
         problem.channels[last - 1].noise = Some(1e-9);
         assert_eq!(small_noise(&problem).len(), 1);
+    }
+
+    #[test]
+    fn value_a_run_whose_rows_are_thirty_times_as_close_is_told() {
+        let mut problem = crate::dynamics::tests::pendulum("clock", 60);
+        problem.runs = vec![problem.runs[0].clone(), problem.runs[0].clone(), problem.runs[0].clone()];
+        let mut of_factor = |factor: f64| {
+            problem.runs[1] = problem.runs[0].clone();
+            let series = problem.runs[1].series.iter_mut();
+            series.flat_map(|series| &mut series.time).for_each(|time| *time *= factor);
+            other_clock(&problem)
+        };
+        let told = of_factor(1e-3);
+        assert!(told.len() == 1 && told[0].message.contains("2.00e-5 s apart"), "{told:?}");
+        // minutes; runs at 10 Hz and at 200 Hz are nothing odd
+        assert_eq!((of_factor(60.0).len(), of_factor(1.0).len(), of_factor(0.05).len()), (1, 0, 0));
+        assert_eq!((of_factor(0.035).len(), of_factor(0.03).len()), (0, 1));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Numbers that logs are doubted by, each with its reason.
 
 use crate::dynamics::stretch::Glance;
-use crate::statistics::levels::{FAR, HALF, MORE, ROUNDING, SLIGHT, SMALL, STEP};
+use crate::statistics::levels::{FAR, HALF, MORE, ROUNDING, SEVERAL, SLIGHT, SMALL, STEP};
 
 /// Rows of a stretch that is judged: a motor of a log at 100 Hz turns and settles within a second.
 pub(crate) const STRETCH: usize = 100;
@@ -28,6 +28,8 @@ pub(super) struct Doubts {
     pub too_small: f64,
     /// Rows off the steps of a unit that can't vary them: beyond this share they are no slips of a clock.
     pub odd_rows: f64,
+    /// Rows of one run that are so many times as close as those of others: 10 Hz and 200 Hz are two loggers, s and min two units.
+    pub other_clock: f64,
     /// Rows are so many steps apart to this: to a share of a step that no output shows.
     pub apart: f64,
     /// An input that runs along lines bends from row to row by less than this share of what it moves: noise bends by more than it moves.
@@ -73,6 +75,7 @@ pub(super) const DOUBTS: Doubts = Doubts {
     tells: 25.0,
     too_small: FAR,
     odd_rows: SLIGHT,
+    other_clock: FAR * SEVERAL,
     apart: STEP,
     smooth: HALF,
     stated: MORE,

@@ -142,8 +142,7 @@ impl Engine {
         }
         let (beside, begins) = (&self.beside(grid, theta, chords), &begins[..]);
         let by = DYNAMICS.most_jitter * usual(&grid.time);
-        let late = (self.machine.horizon == 0 && by.is_finite())
-            .then(|| (Schedule::later(&self.machine, grid, theta, by), by));
+        let late = by.is_finite().then(|| (Schedule::later(&self.machine, grid, theta, by), by));
         let (schedule, late) = (&schedule, late.as_ref());
         let about = RunAt { engine: self, run, grid, schedule, beside, late, theta, path, chords, begins };
         let moved = self.moved_inputs(&about);
@@ -196,7 +195,7 @@ pub(super) struct RunAt<'a> {
     pub schedule: &'a Schedule,
     /// The same along each chord that moves an input within its intervals.
     pub beside: &'a [Option<Schedule>],
-    /// What is fed when all inputs act later by so much, s; nothing where states are read through the rows that follow.
+    /// What is fed when all inputs act later by so much, s; nothing where there is one row.
     pub late: Option<&'a (Schedule, f64)>,
     /// All parameters, each in its own unit.
     pub theta: &'a [f64],
@@ -308,7 +307,7 @@ impl RunAt<'_> {
         Ok(columns)
     }
 
-    /// ∂/∂(time at which the inputs act) of the state at an interval's end, per s; empty where none of them moves within it.
+    /// ∂/∂(time at which the inputs act) of what an interval gives, per s; empty where none of them moves within it.
     fn by_time(
         &self,
         worker: &mut Worker,
@@ -316,13 +315,13 @@ impl RunAt<'_> {
         job: &Job<'_>,
         base: &[f64],
     ) -> Result<Vec<f64>, Error> {
-        let (n, mut out) = (self.engine.machine.order(), Vec::new());
+        let mut out = Vec::new();
         let Some((schedule, by)) = self.late.filter(|_| !job.fed.is_empty()) else { return Ok(out) };
         let there = self.engine.job(self.grid, schedule, row, job.states);
         if there.fed != job.fed || there.pieces != job.pieces {
-            let later = Job { parameters: job.parameters, ..there };
+            // what is logged in one row was read together
+            let later = Job { parameters: job.parameters, at_row: job.at_row, ..there };
             worker.interval(&self.engine.machine, &later, &mut out)?;
-            out.truncate(n);
         }
         Ok(difference(&out, base, *by))
     }

@@ -286,6 +286,11 @@ impl RunAt<'_> {
             let by = read(engine.following(column, reads), Some(&shown));
             (0..n).for_each(|i| column[i] = by[i]);
         }
+        if !here.late.is_empty() {
+            let shown = (!there.late.is_empty()).then(|| engine.outputs_shown(&there.late, next_reads));
+            let by = read(engine.following(&here.late, reads), shown.as_deref());
+            (0..n).for_each(|i| here.late[i] = by[i]);
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::build::{Built, build};
 use super::schedule::Schedule;
 use super::worker::Job;
+use crate::infer::fit::Linearise;
 use crate::observe::{Problem, load};
 use orchestrator::UnitPath;
 use std::path::Path;
@@ -114,6 +115,23 @@ fn value_how_much_of_the_motion_starts_and_process_noise_may_be() {
     }
     // stamps that scatter by more than a third of a row change places
     assert!((0.25..0.35).contains(&(built.sizes.jitter / ROW)), "{}", built.sizes.jitter);
+}
+
+#[test]
+fn law_timestamps_that_are_late_are_a_delay_of_what_is_fed() {
+    let built = built(&pendulum("stamps", 40));
+    let (engine, theta) = (&built.engine, built.engine.machine.neutral());
+    let path = [std::f64::consts::PI + 0.48, std::f64::consts::PI - 0.32, 0.8, -1.2].repeat(40);
+    let delay = place(&built, "tau:delay");
+    let run = &engine.linearise(&theta, &[path], &[delay]).expect("it can be linearised")[0];
+    let moved = |row: usize| (run.late(row)[2..].iter()).zip(&run.column(row, 0)[2..]);
+    let largest = (1..39).flat_map(moved).fold(0.0, |most, (_, delay)| f64::max(most, delay.abs()));
+    assert!(largest > 0.0);
+    for (late, delay) in (1..39).flat_map(moved) {
+        // of the rates, which end as far off as the input acts late; over a third of a row the machine bends by a thousandth
+        assert!((late - delay).abs() < 1e-2 * largest, "{late} against {delay}");
+    }
+    assert_eq!(run.late(0), [0.0; 4], "nothing is known of what was fed before the log");
 }
 
 #[test]

@@ -90,7 +90,8 @@ fn gaps(
 ) -> (Vec<usize>, Vec<Gap>) {
     let gap = |(channel, output): (usize, &Output)| {
         let floor = output.noise.unwrap_or_else(|| floor(noise[channel], &built.scatter[channel]));
-        let (from, to) = (mean(before, channel), mean(after, channel));
+        let told = |windows: &[Window]| mean(windows, channel).unwrap_or(f64::NAN);
+        let (from, to) = (told(before), told(after));
         let gap = Gap {
             before: from,
             after: to,
@@ -101,7 +102,8 @@ fn gaps(
             signal: output.name.clone(),
             unit: output.unit.clone(),
         };
-        (from / floor.max(1e-300), channel, gap)
+        // what no row tells of comes last
+        (if from.is_nan() { -1.0 } else { from / floor.max(1e-300) }, channel, gap)
     };
     let mut all: Vec<(f64, usize, Gap)> = built.engine.machine.channels.iter().enumerate().map(gap).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -137,7 +139,8 @@ fn share(windows: &[Window], engine: &Engine) -> f64 {
 
 /// What rows left out say of the model found: mean squares of all channels, each in units of its noise.
 ///
-/// The noise is that of the log without any model: a model that is judged by the noise that was fitted with it forgives itself what it lacks.
+/// Rows that a bold fit follows say nothing here. And the noise is that of the log without any model: a model that is judged by the noise that
+/// was fitted with it forgives itself what it lacks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Squares {
     /// With the nominal model.
@@ -188,15 +191,18 @@ impl Squares {
 
 /// Mean squares of the windows by which a model is judged, all channels that have noise together, each in units of it.
 fn judged(windows: &[Window], noise: &[f64]) -> f64 {
-    let square = |(channel, size): (usize, &f64)| (mean(windows, channel) / size).powi(2);
+    let square = |(channel, size): (usize, &f64)| {
+        mean(windows.iter().filter(|window| !window.is_bold), channel)
+            .map_or(0.0, |mean| (mean / size).powi(2))
+    };
     noise.iter().enumerate().filter(|(_, size)| **size > 0.0).map(square).sum()
 }
 
-/// Root mean square of a channel's residuals over windows, in the channel's unit; 0 where there is no value.
-fn mean(windows: &[Window], channel: usize) -> f64 {
-    let (square, count) =
-        windows.iter().fold((0.0, 0.0), |(s, n), w| (s + w.sums[channel].square, n + w.sums[channel].count));
-    if count > 0.0 { (square / count).sqrt() } else { 0.0 }
+/// Root mean square of a channel's residuals over windows, in the channel's unit; nothing where there is no value.
+fn mean<'a>(windows: impl IntoIterator<Item = &'a Window>, channel: usize) -> Option<f64> {
+    let add = |(s, n): (f64, f64), w: &Window| (s + w.sums[channel].square, n + w.sums[channel].count);
+    let (square, count) = windows.into_iter().fold((0.0, 0.0), add);
+    (count > 0.0).then(|| (square / count).sqrt())
 }
 
 /// Whether a channel's excess over its noise tells of a model where so many values are compared: half as much again as the noise.
@@ -245,9 +251,9 @@ mod tests {
     use crate::statistics::random::Random;
 
     /// A window of four values of each channel that have these root mean squares.
-    fn window(means: &[f64]) -> Window {
+    fn window(means: &[f64], is_bold: bool) -> Window {
         let sums = means.iter().map(|mean| Sum { square: 4.0 * mean * mean, count: 4.0 }).collect();
-        Window { run: 0, from: 0.0, to: 1.0, sums, points: Vec::new(), states: Vec::new() }
+        Window { run: 0, from: 0.0, to: 1.0, sums, points: Vec::new(), states: Vec::new(), is_bold }
     }
 
     fn squares(before: f64, after: f64) -> Squares {
@@ -257,10 +263,19 @@ mod tests {
     #[test]
     fn law_channels_count_by_their_noise_and_one_without_counts_nothing() {
         // a small loss of a quiet sensor is more than a large gain of a noisy one
-        let judged = |means: [f64; 2]| judged(&[window(&means)], &[0.01, 1.0]);
+        let judged = |means: [f64; 2]| judged(&[window(&means, false)], &[0.01, 1.0]);
         assert!(judged([1.1, 1.0]) > judged([1.0, 9.0]) && judged([1.0, 9.0]) > judged([1.0, 1.0]));
-        assert_eq!(super::judged(&[window(&[1.0, 3.0])], &[0.0, 2.0]), 2.25);
+        assert_eq!(super::judged(&[window(&[1.0, 3.0], false)], &[0.0, 2.0]), 2.25);
         assert_eq!(super::judged(&[], &[1.0]), 0.0);
+    }
+
+    #[test]
+    fn law_no_name_hangs_on_rows_that_only_a_bold_fit_follows() {
+        let both = [window(&[1.0], false), window(&[8.0], true)];
+        assert_eq!((judged(&both, &[0.5]), judged(&both[1..], &[0.5])), (4.0, 0.0));
+        // they are told
+        assert_eq!(mean(&both, 0).map(|mean| mean * mean), Some(32.5));
+        assert!(mean(&[], 0).is_none(), "no row is no gap of nothing");
     }
 
     #[test]
@@ -281,6 +296,7 @@ mod tests {
         assert_eq!(closed(2.0, 2f64.sqrt(), 1.0).map(|share| (1e6 * share).round()), Some(666_667.0));
         assert!(closed(1.06, 1.0, 1.0).is_some(), "worse than the noise by more than it scatters");
         assert!(closed(1.04, 1.0, 1.0).is_none() && closed(0.0, 0.0, 0.0).is_none());
+        assert!(closed(f64::NAN, f64::NAN, 1.0).is_none(), "of what no row tells");
         // a window tells of a model by half as much again as noise alone would leave
         assert!(is_telling(55.0, 100.0) && !is_telling(45.0, 100.0) && !is_telling(0.0, 0.0));
     }

@@ -86,9 +86,9 @@ pub struct Where {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(Default))]
 pub struct Gap {
-    /// Root mean square of the nominal model's residual.
+    /// Root mean square of the nominal model's residual; not a number (null where it is written) where no row could be followed.
     pub before: f64,
-    /// Of the amended model's residual.
+    /// Of the amended model's residual; likewise.
     pub after: f64,
     /// Of what noise alone leaves.
     pub floor: f64,
@@ -105,6 +105,11 @@ pub struct Gap {
 }
 
 impl Gap {
+    /// Whether any row tells of it.
+    pub fn is_told(&self) -> bool {
+        self.before.is_finite()
+    }
+
     /// The share that is closed in percent, as people are told it: what is left below noise is as good as noise.
     pub fn percent(&self) -> Option<f64> {
         self.closed.map(|closed| 100.0 * closed.min(1.0))
@@ -374,5 +379,13 @@ mod tests {
     fn value_no_gap_is_told_as_closed_by_more_than_all_of_it() {
         let told = |closed| Gap { closed: Some(closed), ..Gap::default() }.percent();
         assert_eq!([0.5, 1.0, 1.001].map(told), [Some(50.0), Some(100.0), Some(100.0)]);
+    }
+
+    #[test]
+    fn law_a_gap_that_no_row_tells_of_is_written_as_none() {
+        let untold = Gap { before: f64::NAN, after: f64::NAN, ..Gap::default() };
+        let written = serde_json::to_value(&untold).expect("a gap is written");
+        assert!(!untold.is_told() && written["before"].is_null() && written["after"].is_null(), "{written}");
+        assert!(Gap::default().is_told(), "a gap of nothing is one");
     }
 }

@@ -334,7 +334,8 @@ fn describe_judgement(diagnosis: &Diagnosis) -> String {
         // Only the rig's own way searches again for each part.
         runs if diagnosis.cross_validation.is_empty() => format!(
             "On rows that were left out ({}): the search was made without them, and what it named was judged there; nothing is fitted to \
-             them but where each window begins. Noise alone is what the data set states, or the scatter of neighbouring rows.",
+             them but where each window begins. Noise alone is what the data set states, or else what was fitted, as far as neighbouring rows \
+             scatter.",
             runs.join(", ")
         ),
         runs => format!(
@@ -348,8 +349,12 @@ fn describe_judgement(diagnosis: &Diagnosis) -> String {
 fn gaps(gaps: &[Gap]) -> Table {
     let head = ["signal", "unit", "before", "after", "noise alone", "closed"];
     let rows = gaps.iter().map(|gap| {
-        let closed = gap.percent().map_or("no gap".to_owned(), |percent| format!("{percent:.1} %"));
-        let [before, after, floor] = alike([gap.before, gap.after, gap.floor]).map(Cell::Number);
+        let open = if gap.is_told() { "no gap" } else { "not followed" };
+        let closed = gap.percent().map_or(open.to_owned(), |percent| format!("{percent:.1} %"));
+        let told = |number: String| {
+            if number == "NaN" { Cell::from("–".to_owned()) } else { Cell::Number(number) }
+        };
+        let [before, after, floor] = alike([gap.before, gap.after, gap.floor]).map(told);
         vec![gap.signal.clone().into(), gap.unit.clone().into(), before, after, floor, Cell::Number(closed)]
     });
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }

@@ -11,6 +11,7 @@ use crate::dynamics::first_path::Trails;
 use crate::dynamics::machine::Output;
 use crate::error::{Error, Notice};
 use crate::infer::Noise;
+use crate::nuisance::Scatter;
 use crate::observe::{Problem, Run};
 use crate::overlay::Channel;
 use crate::statistics::levels::{HALF, MORE, SMALL};
@@ -19,6 +20,8 @@ use crate::statistics::levels::{HALF, MORE, SMALL};
 pub struct HeldOut {
     /// The gap of each channel, the largest first.
     pub gaps: Vec<Gap>,
+    /// What they say of the model found. Names hang on this, and not on how the gap is told.
+    pub squares: Squares,
     /// The courses of the last run of them.
     pub channels: Vec<Channel>,
     /// Where the gap stands on a part of the rows only.
@@ -55,7 +58,7 @@ pub fn held_out(
     let before = both.remove(0);
     let after = both.first().unwrap_or(&before);
     let names: Vec<String> = left.iter().map(|(run, span)| name(run, *span)).collect();
-    let (order, gaps) = gaps(&built, &before, after, &names);
+    let (order, gaps) = gaps(&built, (&before, after), &trained.fit.at.noise.channels, &names);
     let channels = courses(&built.engine, &order, &before, after);
     let share = share(after, &built.engine);
     let notice = (share < HALF).then(|| Notice {
@@ -66,7 +69,8 @@ pub fn held_out(
             100.0 * share
         ),
     });
-    Ok(HeldOut { gaps, channels, notice })
+    let squares = Squares::of(&built, &before, after);
+    Ok(HeldOut { gaps, squares, channels, notice })
 }
 
 /// The name of rows left out: a run's, with its times where they are but a part of it.
@@ -78,10 +82,16 @@ fn name(run: &Run, span: Span) -> String {
 }
 
 /// The gap of each channel before and after, and the channels' places: the one first that is farthest above its noise.
-fn gaps(built: &Built, before: &[Window], after: &[Window], runs: &[String]) -> (Vec<usize>, Vec<Gap>) {
+fn gaps(
+    built: &Built,
+    (before, after): (&[Window], &[Window]),
+    noise: &[f64],
+    runs: &[String],
+) -> (Vec<usize>, Vec<Gap>) {
     let gap = |(channel, output): (usize, &Output)| {
-        let floor = output.noise.unwrap_or(built.scatter[channel].quiet);
-        let (from, to) = (mean(before, channel), mean(after, channel));
+        let floor = output.noise.unwrap_or_else(|| floor(noise[channel], &built.scatter[channel]));
+        let told = |windows: &[Window]| mean(windows, channel).unwrap_or(f64::NAN);
+        let (from, to) = (told(before), told(after));
         let gap = Gap {
             before: from,
             after: to,
@@ -92,11 +102,21 @@ fn gaps(built: &Built, before: &[Window], after: &[Window], runs: &[String]) -> 
             signal: output.name.clone(),
             unit: output.unit.clone(),
         };
-        (from / floor.max(1e-300), channel, gap)
+        // what no row tells of comes last
+        (if from.is_nan() { -1.0 } else { from / floor.max(1e-300) }, channel, gap)
     };
     let mut all: Vec<(f64, usize, Gap)> = built.engine.machine.channels.iter().enumerate().map(gap).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.into_iter().map(|(_, channel, gap)| (channel, gap)).unzip()
+}
+
+/// What the best model leaves of a channel whose noise nobody states: the noise that was estimated with the model, as far as the log scatters.
+///
+/// What rows scatter by in the middle is less where they are rounded to steps as large as the noise: the median of their differences is a step or
+/// none, and the least of several orders is taken. By their squares it is as much as the noise with its rounding, and more where the machine moves
+/// within a few rows. The fit knows what the model moves, and what it lacks is not to count as noise: so no more than those.
+fn floor(fitted: f64, scatter: &Scatter) -> f64 {
+    fitted.min(scatter.noise).max(scatter.quiet)
 }
 
 /// The share of a gap that was closed, of squares above the noise's; nothing where there is hardly a gap: a twentieth above the noise is what
@@ -117,47 +137,72 @@ fn share(windows: &[Window], engine: &Engine) -> f64 {
     windows.iter().map(|window| window.states.len() / n).sum::<usize>() as f64 / rows.max(1) as f64
 }
 
-/// Whether the model found is farther from the rows left out than the nominal one, all channels together, each in units of its noise.
-pub fn widened(gaps: &[Gap]) -> bool {
-    let (before, after) = squares(gaps);
-    after > before
+/// What rows left out say of the model found: mean squares of all channels, each in units of its noise.
+///
+/// Rows that a bold fit follows say nothing here. And the noise is that of the log without any model: a model that is judged by the noise that
+/// was fitted with it forgives itself what it lacks.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Squares {
+    /// With the nominal model.
+    before: f64,
+    /// With the model found.
+    after: f64,
+    /// What noise alone leaves: one of each channel that has any.
+    noise: f64,
 }
 
-/// Whether the model found closes hardly any of a gap that stands far above the noise: what else is missing there is much more than what has
-/// names.
-pub fn closes_little(gaps: &[Gap]) -> bool {
-    let (before, after) = squares(gaps);
-    let floor = gaps.iter().filter(|gap| gap.floor > 0.0).count() as f64;
-    after > MORE * MORE * floor && before - after < SMALL * (before - floor)
+impl Squares {
+    fn of(built: &Built, before: &[Window], after: &[Window]) -> Self {
+        let noise = |(output, scatter): (&Output, &Scatter)| output.noise.unwrap_or(scatter.quiet);
+        let sizes: Vec<f64> = built.engine.machine.channels.iter().zip(&built.scatter).map(noise).collect();
+        Self {
+            before: judged(before, &sizes),
+            after: judged(after, &sizes),
+            noise: sizes.iter().filter(|size| **size > 0.0).count() as f64,
+        }
+    }
+
+    /// Whether the model found is farther from the rows left out than the nominal one.
+    pub fn are_widened(self) -> bool {
+        self.after > self.before
+    }
+
+    /// Whether the model found closes hardly any of a gap that stands far above the noise: what else is missing there is much more than what has
+    /// names.
+    pub fn close_little(self) -> bool {
+        let Self { before, after, noise } = self;
+        after > MORE * MORE * noise && before - after < SMALL * (before - noise)
+    }
+
+    /// What has no name where the model found is far worse there: it stands for something else, whatever process noise says.
+    pub fn unlike(self) -> Option<Unknown> {
+        let Self { before, after, .. } = self;
+        (after > MORE * MORE * before).then(|| Unknown {
+            signal: "the whole model".into(),
+            shape: format!(
+                "with what was found the rows left out are followed {:.1} times worse than by the nominal model",
+                (after / before).sqrt()
+            ),
+            nearest: "what was found stands for something else".into(),
+            ..Unknown::default()
+        })
+    }
 }
 
-/// What has no name where the model found is far worse there: it stands for something else, whatever process noise says.
-pub fn unlike(gaps: &[Gap]) -> Option<Unknown> {
-    let (before, after) = squares(gaps);
-    (after > MORE * MORE * before).then(|| Unknown {
-        signal: "the whole model".into(),
-        shape: format!(
-            "with what was found the rows left out are followed {:.1} times worse than by the nominal model",
-            (after / before).sqrt()
-        ),
-        nearest: "what was found stands for something else".into(),
-        ..Unknown::default()
-    })
-}
-
-/// Squares of all channels, each in units of its noise, before and after.
-fn squares(gaps: &[Gap]) -> (f64, f64) {
-    let square = |of: fn(&Gap) -> f64| -> f64 {
-        gaps.iter().filter(|gap| gap.floor > 0.0).map(|gap| (of(gap) / gap.floor).powi(2)).sum()
+/// Mean squares of the windows by which a model is judged, all channels that have noise together, each in units of it.
+fn judged(windows: &[Window], noise: &[f64]) -> f64 {
+    let square = |(channel, size): (usize, &f64)| {
+        mean(windows.iter().filter(|window| !window.is_bold), channel)
+            .map_or(0.0, |mean| (mean / size).powi(2))
     };
-    (square(|gap| gap.before), square(|gap| gap.after))
+    noise.iter().enumerate().filter(|(_, size)| **size > 0.0).map(square).sum()
 }
 
-/// Root mean square of a channel's residuals over windows, in the channel's unit; 0 where there is no value.
-fn mean(windows: &[Window], channel: usize) -> f64 {
-    let (square, count) =
-        windows.iter().fold((0.0, 0.0), |(s, n), w| (s + w.sums[channel].square, n + w.sums[channel].count));
-    if count > 0.0 { (square / count).sqrt() } else { 0.0 }
+/// Root mean square of a channel's residuals over windows, in the channel's unit; nothing where there is no value.
+fn mean<'a>(windows: impl IntoIterator<Item = &'a Window>, channel: usize) -> Option<f64> {
+    let add = |(s, n): (f64, f64), w: &Window| (s + w.sums[channel].square, n + w.sums[channel].count);
+    let (square, count) = windows.into_iter().fold((0.0, 0.0), add);
+    (count > 0.0).then(|| (square / count).sqrt())
 }
 
 /// Whether a channel's excess over its noise tells of a model where so many values are compared: half as much again as the noise.
@@ -201,26 +246,48 @@ pub fn places(studied: &Studied) -> Vec<Where> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::general::windows::Sum;
+    use crate::nuisance::scatter;
+    use crate::statistics::random::Random;
 
-    fn gap(before: f64, after: f64, floor: f64) -> Gap {
-        let (signal, unit) = (String::new(), String::new());
-        let (held_out_runs, cross_validated) = (Vec::new(), Vec::new());
-        Gap { before, after, floor, closed: None, held_out_runs, cross_validated, signal, unit }
+    /// A window of four values of each channel that have these root mean squares.
+    fn window(means: &[f64], is_bold: bool) -> Window {
+        let sums = means.iter().map(|mean| Sum { square: 4.0 * mean * mean, count: 4.0 }).collect();
+        Window { run: 0, from: 0.0, to: 1.0, sums, points: Vec::new(), states: Vec::new(), is_bold }
+    }
+
+    fn squares(before: f64, after: f64) -> Squares {
+        Squares { before: before * before, after: after * after, noise: 1.0 }
     }
 
     #[test]
     fn law_channels_count_by_their_noise_and_one_without_counts_nothing() {
         // a small loss of a quiet sensor is more than a large gain of a noisy one
-        assert!(widened(&[gap(1.0, 1.1, 0.01), gap(9.0, 1.0, 1.0)]));
-        assert!(!widened(&[gap(1.1, 1.0, 0.01), gap(1.0, 9.0, 1.0)]));
+        let judged = |means: [f64; 2]| judged(&[window(&means, false)], &[0.01, 1.0]);
+        assert!(judged([1.1, 1.0]) > judged([1.0, 9.0]) && judged([1.0, 9.0]) > judged([1.0, 1.0]));
+        assert_eq!(super::judged(&[window(&[1.0, 3.0], false)], &[0.0, 2.0]), 2.25);
+        assert_eq!(super::judged(&[], &[1.0]), 0.0);
+    }
+
+    #[test]
+    fn law_no_name_hangs_on_rows_that_only_a_bold_fit_follows() {
+        let both = [window(&[1.0], false), window(&[8.0], true)];
+        assert_eq!((judged(&both, &[0.5]), judged(&both[1..], &[0.5])), (4.0, 0.0));
+        // they are told
+        assert_eq!(mean(&both, 0).map(|mean| mean * mean), Some(32.5));
+        assert!(mean(&[], 0).is_none(), "no row is no gap of nothing");
+    }
+
+    #[test]
+    fn value_rows_left_out_judge_a_model_by_how_much_worse_it_is() {
+        assert!(squares(1.0, 1.1).are_widened() && !squares(1.0, 1.0).are_widened());
         // half as far again is far worse, a little more is not
-        assert!(unlike(&[gap(1.0, 1.55, 0.1)]).is_some() && unlike(&[gap(1.0, 1.45, 0.1)]).is_none());
+        assert!(squares(1.0, 1.55).unlike().is_some() && squares(1.0, 1.45).unlike().is_none());
         // of 24 noises' squares above the noise's 2 are closed, or 3; and of hardly any nothing need be
-        assert!(
-            closes_little(&[gap(5.0, 23f64.sqrt(), 1.0)]) && !closes_little(&[gap(5.0, 22f64.sqrt(), 1.0)])
-        );
-        assert!(!closes_little(&[gap(1.45, 1.45, 1.0)]) && closes_little(&[gap(1.55, 1.55, 1.0)]));
-        assert!(!widened(&[gap(1.0, 1.0, 0.1)]) && !widened(&[gap(1.0, 2.0, 0.0)]) && !widened(&[]));
+        assert!(squares(5.0, 23f64.sqrt()).close_little() && !squares(5.0, 22f64.sqrt()).close_little());
+        assert!(!squares(1.45, 1.45).close_little() && squares(1.55, 1.55).close_little());
+        let none = Squares::default();
+        assert!(!none.are_widened() && !none.close_little() && none.unlike().is_none());
     }
 
     #[test]
@@ -229,7 +296,22 @@ mod tests {
         assert_eq!(closed(2.0, 2f64.sqrt(), 1.0).map(|share| (1e6 * share).round()), Some(666_667.0));
         assert!(closed(1.06, 1.0, 1.0).is_some(), "worse than the noise by more than it scatters");
         assert!(closed(1.04, 1.0, 1.0).is_none() && closed(0.0, 0.0, 0.0).is_none());
+        assert!(closed(f64::NAN, f64::NAN, 1.0).is_none(), "of what no row tells");
         // a window tells of a model by half as much again as noise alone would leave
         assert!(is_telling(55.0, 100.0) && !is_telling(45.0, 100.0) && !is_telling(0.0, 0.0));
+    }
+
+    #[test]
+    fn value_the_floor_of_a_rounded_log_is_its_noise_with_the_rounding() {
+        let mut random = Random::new(9);
+        // noise of 0.58 of a step about a course that moves some steps: with the rounding 0.65
+        let value = |row: u32| (50.0 * libm::sin(0.02 * f64::from(row)) + 0.58 * random.normal()).round();
+        let scatter = scatter(&[&(0..2000).map(value).collect::<Vec<f64>>()]);
+        let all = 0.58f64.hypot(1.0 / 12f64.sqrt());
+        assert!((floor(all, &scatter) / all - 1.0).abs() < 0.03, "{scatter:?}");
+        // by the rows in the middle it was a step of a high difference or none
+        assert!(scatter.quiet < 0.97 * all, "{scatter:?}");
+        // what a model lacks is no noise, nor is what a fit takes for process noise none
+        assert_eq!((floor(10.0 * all, &scatter), floor(0.0, &scatter)), (scatter.noise, scatter.quiet));
     }
 }

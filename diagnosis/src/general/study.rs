@@ -1,13 +1,13 @@
 //! From a problem to a diagnosis.
 
 use super::fit_given::{check_names, claimed, fit_given};
-use super::mismatch::HeldOut;
+use super::mismatch::{HeldOut, Squares};
 use super::residual::{self, Residual};
 use super::rest::name_the_rest;
 use super::rows_left_out::parted;
 use super::{amended, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
-use crate::diagnosis::{Diagnosis, Effect, Gap, NextExperiment, Unknown, Verdict};
+use crate::diagnosis::{Diagnosis, Effect, NextExperiment, Unknown, Verdict};
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
@@ -79,11 +79,10 @@ fn diagnosed_in_time(
     let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
     let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
-    let unknown = unnamed(problem, &all).or_else(|| {
-        mismatch::unlike(&held.gaps).filter(|_| is_judged(&trained, &all) && options.fit.is_empty())
-    });
+    let unknown = unnamed(problem, &all)
+        .or_else(|| held.squares.unlike().filter(|_| is_judged(&trained, &all) && options.fit.is_empty()));
     let unknown = runs::shaped(problem, &all, options, unknown, watch);
-    let in_doubt = unknown.is_some() || is_judged(&trained, &all) && mismatch::closes_little(&held.gaps);
+    let in_doubt = unknown.is_some() || is_judged(&trained, &all) && held.squares.close_little();
     let effects = findings::effects(problem, &all, in_doubt);
     let verdict = verdict(unknown.is_some(), &effects);
     let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
@@ -162,8 +161,8 @@ fn next_experiment(
 
 /// Takes the effects away with which a model is farther from the rows left out than the nominal one, where something has no name: they stand
 /// for a part of that. What a user asked for stays.
-fn unfit(problem: &Problem, trained: &mut Studied, gaps: &[Gap], options: &Options) -> Vec<usize> {
-    let takes = options.fit.is_empty() && mismatch::widened(gaps) && unnamed(problem, trained).is_some();
+fn unfit(problem: &Problem, trained: &mut Studied, squares: Squares, options: &Options) -> Vec<usize> {
+    let takes = options.fit.is_empty() && squares.are_widened() && unnamed(problem, trained).is_some();
     if takes { std::mem::take(&mut trained.effects) } else { Vec::new() }
 }
 
@@ -240,7 +239,7 @@ pub(super) fn search_all_rows(
     let mut known = Trails::default();
     known.add(&trained.built.engine, &trained.nominal);
     let mut held = mismatch::held_out(problem, &left, &trained, &mut known)?;
-    let unfit = unfit(problem, &mut trained, &held.gaps, options);
+    let unfit = unfit(problem, &mut trained, held.squares, options);
     if !unfit.is_empty() {
         held = mismatch::held_out(problem, &left, &trained, &mut known)?;
     }

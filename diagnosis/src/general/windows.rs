@@ -4,7 +4,7 @@ use super::policy::GENERAL;
 use super::study::Studied;
 use crate::dynamics::Engine;
 use crate::dynamics::grid::Sample;
-use crate::infer::fit::{At, Options, Path, fit};
+use crate::infer::fit::{At, Fit, Options, Path, fit};
 use crate::infer::{Linearised, Noise};
 use crate::statistics::levels::SMALL;
 use rayon::prelude::*;
@@ -33,6 +33,8 @@ pub struct Window {
     pub points: Vec<Point>,
     /// States, n a row.
     pub states: Vec<f64>,
+    /// Whether a bold fit was needed, of this model or of another one: what is left is told, and no name hangs on it.
+    pub is_bold: bool,
 }
 
 /// One compared value of a window.
@@ -76,6 +78,24 @@ fn window_fit() -> Options {
     Options { rounds: 6, settled: 1e-2, ..Options::default() }
 }
 
+/// The same for rows of which no part is followed otherwise: no round is turned back. A path that follows the log is none of the model's, and its
+/// linear model promises less than any start state leaves where the model bends on the way to its own: a tank whose level runs away from the log's.
+/// Nothing but that it settles says that it went the right way, so that it is asked last.
+fn bold_fit() -> Options {
+    Options { rise: f64::INFINITY, ..window_fit() }
+}
+
+/// The fit of a window's states from a path on, with how far they move after its last round, which the smoother gives; nothing where it has not
+/// settled.
+fn settled(window: &Engine, start: &At, options: &Options) -> Option<(Fit, Vec<f64>)> {
+    let fitted = fit(window, start, &[], None, options).ok()?;
+    let run = &fitted.runs[0];
+    let moved = crate::infer::smooth(run, &start.noise).state;
+    let rests = (moved.chunks(run.states.max(1)))
+        .all(|row| row.iter().zip(&window.scales).all(|(by, scale)| is_at_rest(*by, *scale)));
+    rests.then_some((fitted, moved))
+}
+
 /// All windows of an engine's runs for each model, each followed from its own start state: the same ones for all, so that they are compared
 /// on the same rows.
 pub fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<Vec<Window>> {
@@ -112,41 +132,50 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// These rows, or their halves where a model can't follow them as a whole: their windows, one a model.
+    /// These rows' windows, one a model: as a whole by a bold fit where a model can't follow any part of them otherwise.
     fn follow(&self, models: &[Model<'_>]) -> Vec<Vec<Window>> {
+        let usual = self.follow_parts(models);
+        if !usual.is_empty() || !tells(self.to - self.from) {
+            return usual;
+        }
+        let mut bold = self.follow_whole(models, &[window_fit(), bold_fit()]);
+        // of all models, for they are compared on the same rows
+        bold.iter_mut().flatten().for_each(|window| window.is_bold = true);
+        bold.into_iter().collect()
+    }
+
+    /// These rows as one window, by the first of these fits that settles with each model.
+    fn follow_whole(&self, models: &[Model<'_>], fits: &[Options]) -> Option<Vec<Window>> {
+        models.iter().map(|(theta, paths)| self.window(theta, &paths[self.run], fits)).collect()
+    }
+
+    /// These rows, or their halves where a model can't follow them as a whole.
+    fn follow_parts(&self, models: &[Model<'_>]) -> Vec<Vec<Window>> {
         if !tells(self.to - self.from) {
             return Vec::new();
         }
-        let of = |(theta, paths): &Model<'_>| self.window(theta, &paths[self.run]);
-        if let Some(all) = models.iter().map(of).collect::<Option<Vec<Window>>>() {
+        if let Some(all) = self.follow_whole(models, &[window_fit()]) {
             return vec![all];
         }
         if self.engine.machine.whole {
             return Vec::new();
         }
         let half = (self.from + self.to) / 2;
-        let mut both = Self { to: half, ..*self }.follow(models);
-        both.extend(Self { from: half, ..*self }.follow(models));
+        let mut both = Self { to: half, ..*self }.follow_parts(models);
+        both.extend(Self { from: half, ..*self }.follow_parts(models));
         both
     }
 
-    /// A window with these parameters, begun where a path of its run goes; nothing where it can't be followed.
-    fn window(&self, theta: &[f64], path: &[f64]) -> Option<Window> {
+    /// A window with these parameters, begun where a path of its run goes; nothing where none of these fits follows it.
+    fn window(&self, theta: &[f64], path: &[f64], fits: &[Options]) -> Option<Window> {
         let Self { engine, noise, from, to, .. } = *self;
         let n = engine.machine.order();
         let single = self.as_only_run(&path[from * n..(from + 1) * n]);
         let start =
             At { theta: theta.to_vec(), paths: vec![path[from * n..to * n].to_vec()], noise: noise.clone() };
-        let fitted = fit(&single, &start, &[], None, &window_fit()).ok()?;
+        let (fitted, moved) = fits.iter().find_map(|options| settled(&single, &start, options))?;
         let run = &fitted.runs[0];
-        // what is left after the path's last small move, which the smoother gives
-        let moved = crate::infer::smooth(run, noise).state;
         let wide = run.states;
-        let settled = (moved.chunks(wide.max(1)))
-            .all(|row| row.iter().zip(&engine.scales).all(|(by, scale)| is_at_rest(*by, *scale)));
-        if !settled {
-            return None;
-        }
         let (mut sums, points) = residuals(run, &moved, engine.machine.channels.len());
         let all: f64 = sums.iter().map(|sum| sum.count).sum();
         if !is_compared(all, n) {
@@ -159,7 +188,15 @@ impl Rows<'_> {
         let states = (0..run.rows()).flat_map(|row| (0..n).map(move |i| (row * n + i, row * wide + i)));
         let states = states.map(|(at, by)| path[at] + moved[by]).collect();
         let time = &single.grids[0].time;
-        Some(Window { run: self.run, from: time[0], to: time[time.len() - 1], sums, points, states })
+        Some(Window {
+            run: self.run,
+            from: time[0],
+            to: time[time.len() - 1],
+            sums,
+            points,
+            states,
+            is_bold: false,
+        })
     }
 
     /// The engine with these rows as its only run, which begins near a state.

@@ -81,3 +81,16 @@ fn law_a_copy_of_the_program_writes_nothing() {
     let rows = std::fs::read_to_string(units.path().join("o/results.csv")).expect("results");
     assert_eq!(rows.lines().count(), 8, "a head and seven points:\n{rows}");
 }
+
+/// A file of no bytes is no zip archive: one rule was looked at, and found it.
+#[test]
+fn value_check_counts_the_rules_that_were_looked_at() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("empty.fmu"), "").expect("writable");
+    let checked = acroscope(folder.path()).args(["check", "empty.fmu", "--out", "ck"]).output();
+    let text = String::from_utf8_lossy(&checked.expect("starts").stdout).into_owned();
+    let expected = "empty.fmu: 1 error, 0 warnings, 0 notes of 1 rule; 57 rules not looked at, because the file is no zip archive";
+    assert!(text.contains(expected), "{text}");
+    let page = std::fs::read_to_string(folder.path().join("ck/report.html")).expect("a page");
+    assert!(page.contains("Rules that were not looked at"), "it has a group of its own");
+}

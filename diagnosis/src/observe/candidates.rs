@@ -173,7 +173,7 @@ fn scale(given: &Spanned<String>, variable: &Variable, neutral: f64, file: &File
 
 /// Whether a range lies in another one, but for rounding: one of factors was multiplied.
 fn lies_in((low, high): (f64, f64), (least, most): (f64, f64)) -> bool {
-    let rounding = |limit: f64| 1e-12 * limit.abs();
+    let rounding = |limit: f64| 2.0 * f64::EPSILON * limit.abs();
     low >= least - rounding(least) && high <= most + rounding(most)
 }
 

@@ -128,6 +128,13 @@ fn suggestion(path: &Path) -> String {
     let beside = tomls(folder.unwrap_or(Path::new(".")));
     let shipped = SHIPPED.iter().map(|(name, _)| *name).filter(|_| folder.is_none());
     let known: Vec<&str> = shipped.chain(beside.iter().map(String::as_str)).collect();
+    if let (Some(folder), []) = (folder, known.as_slice()) {
+        let folder_shown = folder.display();
+        return match folder.is_dir() {
+            true => format!("{folder_shown} holds no .toml and no .ssp file"),
+            false => format!("there is no folder {folder_shown}"),
+        };
+    }
     suggest::nearest(&typed, known.into_iter())
 }
 
@@ -205,6 +212,18 @@ mod tests {
         std::fs::write(folder.path().join("heater.toml"), "").expect("writable");
         let text = refused(&folder.path().join("haeter.toml").to_string_lossy());
         assert!(text.contains("did you mean heater.toml?"), "{text}");
+    }
+
+    #[test]
+    fn law_a_file_in_a_folder_without_any_says_so() {
+        assert!(
+            refused("nodir/x.toml").ends_with("; there is no folder nodir"),
+            "{}",
+            refused("nodir/x.toml")
+        );
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let text = refused(&folder.path().join("x.toml").to_string_lossy());
+        assert!(text.ends_with("holds no .toml and no .ssp file"), "{text}");
     }
 
     #[test]

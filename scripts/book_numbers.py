@@ -67,7 +67,6 @@ def late(folder):
     acroscope(folder, "run", "visual-servo", "--set", "camera.T_delay=0.05", "--out", "late")
     told = json.loads((folder / "late" / "summary.json").read_text())
     told["verdict"]["figures"] = [one for one in told["verdict"]["figures"] if one["label"] == "peak torque"]
-    told["verdict"]["notes"] = []
     told["units"] = {"plant.q1": told["units"]["plant.q1"]}
     made = told["provenance"]
     # Of one commit, one build: what stands here must not change with every commit.

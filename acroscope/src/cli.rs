@@ -8,6 +8,7 @@ pub use called::Called;
 pub use import::{Import, StampOf};
 pub use units::{Check, Containing, New, Packing};
 
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use runner::cli::{Run, above_zero, zero_or_more};
@@ -31,6 +32,16 @@ fn part(text: &str) -> Result<(u64, u64), String> {
         numbers.filter(|(part, of)| (1..=*of).contains(part) && *of <= 1_000_000);
     numbers
         .ok_or_else(|| "wanted is K/N with K from 1 to N: 1/16 is the first part, 16/16 the last".to_owned())
+}
+
+/// The folder of a data set, of which its own file may be named, too.
+fn folder_of(path: PathBuf) -> PathBuf {
+    let is_its_file = path.file_name().is_some_and(|name| name == "dataset.toml") && path.is_file();
+    match path.parent() {
+        Some(folder) if is_its_file && folder.as_os_str().is_empty() => ".".into(),
+        Some(folder) if is_its_file => folder.to_owned(),
+        _ => path,
+    }
 }
 
 /// The commands.
@@ -89,6 +100,7 @@ pub struct Reproduce {
 )]
 pub struct Diagnose {
     /// Folder of the data set: dataset.toml with a folder for each run, or with format = 2 a log file for each run.
+    #[arg(value_parser = PathBufValueParser::new().map(folder_of))]
     pub dataset: PathBuf,
     /// An effect that is not to be named; may be given several times.
     #[arg(long, value_name = "UNIT.VARIABLE")]

@@ -26,6 +26,8 @@ fn bad_input_a_unit_is_no_scenario_and_a_limit_needs_something_to_limit() {
         (&["run", "stateful.fmu"][..], "`acroscope new stateful.fmu` makes a scenario of it"),
         (&["run", "s.toml", "--step-limit", "2"], "--step-limit is for units in processes of their own"),
         (&["run", "s.toml", "--memory-limit", "64"], "add --isolate"),
+        (&["params", "s.toml", "a.x", "zzz"], "nothing that can be set begins with \"zzz\": "),
+        (&["run", "nodir/x.toml"], "; there is no folder nodir"),
     ] {
         let refused = acroscope(units.path()).args(words).output().expect("starts");
         assert!(refused.status.code() == Some(2) && told(&refused).contains(expected), "{}", told(&refused));
@@ -80,4 +82,27 @@ fn law_a_copy_of_the_program_writes_nothing() {
     assert!(done.status.success() && out.matches("ran to t = 3 s").count() == 1, "{out}");
     let rows = std::fs::read_to_string(units.path().join("o/results.csv")).expect("results");
     assert_eq!(rows.lines().count(), 8, "a head and seven points:\n{rows}");
+}
+
+/// A file of no bytes is no zip archive: one rule was looked at, and found it.
+#[test]
+fn value_check_counts_the_rules_that_were_looked_at() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("empty.fmu"), "").expect("writable");
+    let checked = acroscope(folder.path()).args(["check", "empty.fmu", "--out", "ck"]).output();
+    let text = String::from_utf8_lossy(&checked.expect("starts").stdout).into_owned();
+    let expected = "empty.fmu: 1 error, 0 warnings, 0 notes of 1 rule; 57 rules not looked at, because the file is no zip archive";
+    assert!(text.contains(expected), "{text}");
+    let page = std::fs::read_to_string(folder.path().join("ck/report.html")).expect("a page");
+    assert!(page.contains("Rules that were not looked at"), "it has a group of its own");
+}
+
+/// The file names the folder that it lies in.
+#[test]
+fn value_a_data_set_may_be_named_by_its_own_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::create_dir(folder.path().join("h")).expect("writable");
+    std::fs::write(folder.path().join("h/dataset.toml"), "format = 1\n").expect("writable");
+    let refused = acroscope(folder.path()).args(["diagnose", "h/dataset.toml"]).output().expect("starts");
+    assert!(told(&refused).starts_with("error: h/dataset.toml:1: "), "{}", told(&refused));
 }

@@ -295,6 +295,11 @@ fn bad_input_a_mistake_in_the_report_is_told_with_its_line() {
         ),
         (
             &known,
+            "[report.verdict]\nfigures = [\n{ label = \"d\", signal = \"plant.q1\", minus = \"plant.dq1\", reduce = \"rms\" }]\n",
+            "mine.toml:10: [report]: minus = \"plant.dq1\": plant.q1 is in rad, plant.dq1 in rad/s",
+        ),
+        (
+            &known,
             "[report.picture]\ncaption = \"c\"\nunit = \"plant\"\ndirectory = \"d\"\nindex = \"q1\"\nmarks = [[\"q1\", \"q2\", \"z\"]]\n",
             "mine.toml:13: [report]: a mark of 3 names: two outputs are wanted, u and v",
         ),

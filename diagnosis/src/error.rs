@@ -70,16 +70,6 @@ pub enum Error {
     /// The nominal model can't be loaded as the user gave it.
     #[error("nominal model: {0}")]
     Nominal(String),
-    /// A value names a variable that the nominal model hasn't got.
-    #[error("{}: [set] {name}: {problem}", path.display())]
-    Set {
-        /// `dataset.toml`.
-        path: PathBuf,
-        /// `instance.variable`.
-        name: String,
-        /// What is wrong.
-        problem: String,
-    },
 }
 
 impl Error {

@@ -14,6 +14,15 @@ pub const FILES: [&str; 6] = [
     crate::general::INPUT_LINES,
 ];
 
+/// How a scenario that a run writes begins; one of a diagnosis says so instead.
+const BY_A_RUN: &str = "# Written by the run: every value that was used.";
+const BY_A_DIAGNOSIS: &str = "# Written by the diagnosis: every value that a run of it uses.";
+
+/// A scenario that nobody has run yet.
+fn written_here(scenario: &str) -> String {
+    scenario.replacen(BY_A_RUN, BY_A_DIAGNOSIS, 1)
+}
+
 impl Diagnosis {
     /// `diagnosis.json` as text.
     pub fn to_json(&self) -> String {
@@ -32,10 +41,10 @@ impl Diagnosis {
         };
         std::fs::create_dir_all(folder).map_err(|source| Error::Io { path: folder.to_owned(), source })?;
         put("diagnosis.json", &(self.to_json() + "\n"))?;
-        put("amended.toml", &self.amended)?;
+        put("amended.toml", &written_here(&self.amended))?;
         self.attachments.iter().try_for_each(|(name, text)| put(name, text))?;
         if let Some(experiment) = &self.experiment {
-            put("next_experiment.toml", experiment)?;
+            put("next_experiment.toml", &written_here(experiment))?;
         }
         put("report.html", &crate::report_page::html(self)?)
     }
@@ -50,6 +59,14 @@ mod tests {
     use crate::error::Notice;
     use crate::provenance::{Provenance, Used};
     use serde_json::Value;
+
+    #[test]
+    fn law_an_amended_scenario_is_not_said_to_come_from_a_run() {
+        let writer = include_str!("../../orchestrator/src/scenario/write.rs");
+        assert!(writer.contains(super::BY_A_RUN), "as it begins there");
+        let text = super::written_here(&format!("# fed with a log.\n{}\nformat = 1\n", super::BY_A_RUN));
+        assert_eq!(text, format!("# fed with a log.\n{}\nformat = 1\n", super::BY_A_DIAGNOSIS));
+    }
 
     fn effect() -> Effect {
         Effect {

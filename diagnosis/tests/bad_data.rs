@@ -177,6 +177,22 @@ fn every_missing_column_and_short_run_is_named() {
 }
 
 #[test]
+fn every_run_with_nothing_to_compare_is_told() {
+    let folder = Folder::new("nothing-to-compare");
+    folder.put("dataset.toml", &manifest(2));
+    folder.put("run-01/controller.csv", &torque(60));
+    folder.put("run-02/plant.csv", &plant(60, 1.0));
+    folder.put("run-02/controller.csv", &torque(60));
+    let set = DataSet::load(folder.path()).expect("the other run is usable");
+    let told = notice(&set.notices, "excluded: neither camera.csv nor plant.csv");
+    assert!(told.file == "run-01" && told.message.ends_with("holds controller.csv"), "{told}");
+    assert!(set.notices.iter().all(|notice| !notice.message.contains("inf")), "{:?}", set.notices);
+    folder.put("dataset.toml", &manifest(1));
+    let error = DataSet::load(folder.path()).expect_err("nothing is left").to_string();
+    assert!(error.contains("run-01: excluded: neither camera.csv nor plant.csv"), "{error}");
+}
+
+#[test]
 fn every_mistake_in_the_manifest_has_a_line() {
     let folder = Folder::new("manifest");
     for (text, line) in [
@@ -184,7 +200,11 @@ fn every_mistake_in_the_manifest_has_a_line() {
         ("format = 1\nscenario = 3", 2),
         ("format = 1\nscenario = \"a\"\n[noise]\n\"plant.q1\" = -1.0\n[[run]]\ndir = \"r\"", 4),
         ("format = 1\nscenario = \"a\"\n[[run]]\n", 3),
+        ("scenario = \"a\"\nformat = \"2\"", 2),
+        ("format = 1\nscenario = \"visual-srvo\"\n[[run]]\ndir = \"r\"", 2),
+        ("format = 1\nscenario = \"visual-servo\"\n[[run]]\ndir = \"r\"\nstrat = 3.0", 5),
     ] {
+        folder.put("r/plant.csv", &plant(60, 1.0));
         folder.put("dataset.toml", text);
         match DataSet::load(folder.path()) {
             Err(Error::Manifest { line: found, .. }) => assert_eq!(found, line, "{text}"),
@@ -203,7 +223,7 @@ fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
         let error = said.expect_err("no mount is turned by that");
         assert!(error.is_input(), "the user's to mend: {error}");
         let text = error.to_string();
-        for word in ["dataset.toml", "camera.roll", value, "3.2"] {
+        for word in ["[set] camera.roll", value, "3.2"] {
             assert!(text.contains(word), "{word} is missing in {text:?}");
         }
         assert!(!text.contains("--set"), "the file says it, not the command line: {text:?}");
@@ -213,7 +233,7 @@ fn every_value_of_the_nominal_model_that_no_unit_takes_is_told_with_its_file() {
     let said = diagnosis::diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
     let error = said.expect_err("no link is without inertia");
     let text = error.to_string();
-    assert!(error.is_input() && text.contains("dataset.toml: [set] plant: "), "{text}");
+    assert!(error.is_input() && text.contains("dataset.toml:3: [set] plant: "), "{text}");
     assert!(text.contains("theta_1 = 0: must be finite and > 0"), "{text}");
 }
 

@@ -218,6 +218,19 @@ const FAULTS: &[(&str, &str, &str)] = &[
         "range = [1e-2, 5e-2]",
         "dataset.toml:28: range = [0.01, 0.05]: the neutral value 0",
     ),
+    ("range = [0, 5e-2]", "range = [1.0]", "dataset.toml:28: range: two numbers are wanted"),
+    ("range = [0, 5e-2]", "range = [-1, 5e-2]", "dataset.toml:28: range = [-1, 0.05]: the unit takes 0"),
+    ("range = [0, 5e-2]", "neutral = -1.0", "dataset.toml:28: neutral = -1.0: the unit takes 0"),
+    (
+        "range = [0.5, 2.0]",
+        "neutral = 5.0\nrange = [0.0, 2.0]",
+        "dataset.toml:32: range = [0, 2]: the neutral value 5 of theta_1 lies outside",
+    ),
+    (
+        "[set]\n",
+        "[set]\n\"acrobot_plant.tau\" = 1.0\n",
+        "dataset.toml:4: [set] acrobot_plant.tau is fed: the [[channel]] of line 7 would overwrite it",
+    ),
     (
         "scale = \"relative\"",
         "scale = \"relativ\"",

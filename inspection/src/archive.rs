@@ -2,6 +2,7 @@
 //! Nothing is unpacked.
 
 use crate::error::Error;
+use crate::xml::Fault;
 use object::Architecture;
 use std::io::{BufReader, Read as _, Seek, SeekFrom};
 use std::path::Path;
@@ -39,8 +40,8 @@ pub(crate) struct Archive {
     /// How many entries have the very name of another one: readers see one of them only.
     pub(crate) twins: usize,
     pub(crate) binaries: Vec<Binary>,
-    /// The description; an error is why there is none.
-    pub(crate) description: Result<String, String>,
+    /// The description; an error is why there is none, the inner one where it is no text.
+    pub(crate) description: Result<Result<String, Fault>, String>,
 }
 
 /// Longer descriptions and libraries are not read: a small archive may unpack to any size.
@@ -89,9 +90,7 @@ impl Archive {
             Err(error) => (String::from_utf8_lossy(entry.name_raw()).into_owned(), Some(error.to_string())),
         };
         if name == DESCRIPTION {
-            self.description = content(&mut entry).and_then(|bytes| {
-                String::from_utf8(bytes).map_err(|error| format!("{DESCRIPTION}: {error}"))
-            });
+            self.description = content(&mut entry).map(text);
         } else if let Some((platform, stem)) = library(&name) {
             let bytes = content(&mut entry);
             let processor = bytes.as_ref().ok().and_then(|bytes| processor(bytes));
@@ -104,6 +103,18 @@ impl Archive {
         let (is_folder, is_link) = (entry.is_dir(), entry.is_symlink());
         self.entries.push(Entry { name, is_folder, is_link, unreadable });
     }
+}
+
+/// The text of a description. Bytes of another encoding have the line at which reading ends.
+fn text(bytes: Vec<u8>) -> Result<String, Fault> {
+    String::from_utf8(bytes).map_err(|error| {
+        let (bytes, good) = (error.as_bytes(), error.utf8_error().valid_up_to());
+        let line = 1 + bytes[..good].iter().filter(|&&byte| byte == b'\n').count();
+        (
+            line,
+            format!("the byte 0x{:02X} is no UTF-8: the description must be written in UTF-8", bytes[good]),
+        )
+    })
 }
 
 /// How many entries the archive's own record of its end lists (APPNOTE.TXT 4.3.16): the library keeps one of each name. None where

@@ -20,6 +20,7 @@ pub mod draft;
 mod dynamics;
 mod error;
 mod finding;
+mod looked;
 mod model;
 mod statics;
 mod xml;
@@ -27,6 +28,7 @@ mod xml;
 pub use dynamics::{Limits, host_rules, host_rules_by};
 pub use error::Error;
 pub use finding::{Finding, Severity};
+pub use looked::{LeftOut, Looked};
 
 use archive::Archive;
 use finding::Found;
@@ -40,22 +42,36 @@ pub fn rules() -> Vec<&'static str> {
 /// The rule that the file is an archive at all.
 const ARCHIVE: &str = "archive";
 
-/// What all rules find, in the order of the rules. A unit that can't be opened has no findings of those that run it.
+/// What all rules find, in the order of the rules. A unit that can't be opened has no findings of those that run it:
+/// [`look`] says which were left out.
 ///
 /// # Errors
 /// If the file can't be read, or no process be started.
 pub fn check(path: &Path, limits: &Limits) -> Result<Vec<Finding>, Error> {
+    Ok(look(path, limits)?.findings)
+}
+
+/// What all rules find, and which of them were not looked at.
+///
+/// # Errors
+/// If the file can't be read, or no process be started.
+pub fn look(path: &Path, limits: &Limits) -> Result<Looked, Error> {
     let archive = match Archive::read(path)? {
         Ok(archive) => archive,
         Err(why) => {
             let mut found = Found::new(ARCHIVE);
             found.error(format!("it is no zip archive that can be read: {why}"));
-            return Ok(found.findings);
+            let others = rules().into_iter().filter(|rule| *rule != ARCHIVE);
+            let why = "the file is no zip archive";
+            let left_out = others.map(|rule| LeftOut { rule, why: why.into() }).collect();
+            return Ok(Looked { findings: found.findings, left_out });
         }
     };
-    let mut findings = statics::findings(&archive);
-    findings.extend(dynamics::findings(path, &archive, limits, &findings)?);
-    Ok(findings)
+    let (mut findings, mut left_out) = statics::findings(&archive);
+    let run = dynamics::findings(path, &archive, limits, &findings)?;
+    findings.extend(run.findings);
+    left_out.extend(run.left_out);
+    Ok(Looked { findings, left_out })
 }
 
 /// What one of the rules that run the unit finds, by itself.

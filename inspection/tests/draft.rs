@@ -32,7 +32,7 @@ fn law_our_own_loop_is_found_and_runs() {
         draft(&ours(&["acrobot_plant", "acrobot_camera", "acrobot_controller"]), &path).expect("drafts");
     for line in [
         "interval = \"1/600\" # s, from its DefaultExperiment",
-        "[[connections]] # same name, both in rad; these fit, too: acrobot_camera.q1_est\nfrom = \"acrobot_plant.q1\"\nto = \"acrobot_controller.q1\"",
+        "[[connections]] # guess: same name, both in rad; these fit, too: acrobot_camera.q1_est\nfrom = \"acrobot_plant.q1\"\nto = \"acrobot_controller.q1\"",
         "from = \"acrobot_controller.tau\"\nto = \"acrobot_plant.tau\"",
         "to = \"acrobot_plant.tau_1\"\nkind = \"constant\"\nvalue = 0.0 # N.m, its start value",
     ] {
@@ -76,7 +76,9 @@ fn law_what_fits_twice_or_not_in_its_unit_is_left_to_the_reader() {
     let path = units.path().join("s.toml");
     let text = draft(&[sink.clone(), one.clone(), two], &path).expect("drafts");
     assert!(
-        text.contains("[[sources]] # several outputs fit; choose one: one.v, two.v\nto = \"sink.v\""),
+        text.contains(
+            "[[sources]] # guess: a constant; several outputs fit, choose one: one.v, two.v\nto = \"sink.v\""
+        ),
         "{text}"
     );
     let text = draft(&[sink.clone(), metres], &path).expect("drafts");

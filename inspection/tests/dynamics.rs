@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Units, check, faulty, short};
+use common::{DESCRIPTION, Units, check, faulty, short};
 use inspection::Limits;
 use inspection::Severity::{self, Error, Warning};
 use std::path::Path;
@@ -120,6 +120,33 @@ fn law_a_unit_that_cannot_run_is_not_run_again() {
     assert_eq!(short(&findings), [("exit", Error, None)]);
     let last = &findings[0].text;
     assert!(last.contains("calls before: ") && last.contains("fmi2SetReal u of unit"), "{last}");
+}
+
+#[test]
+fn law_rules_after_a_run_that_failed_are_said_not_to_be_looked_at() {
+    common::host();
+    let units = Units::new();
+    let limits = Limits { call: Duration::from_secs(3), memory: 1 << 30 };
+    let looked = inspection::look(&faulty(&units, 2), &limits).expect("looked at");
+    let reasons = looked.reasons();
+    assert_eq!(reasons[0], ("its process came to an end before it was through", vec!["runs"]));
+    assert_eq!(reasons[1].0, "the unit does not get through its first plain run");
+    assert!(reasons[1].1.contains(&"leak") && !reasons[1].1.contains(&"crash"), "{reasons:?}");
+    let sound = inspection::look(&faulty(&units, 0), &limits).expect("looked at");
+    assert_eq!(sound.rules(), inspection::rules());
+}
+
+/// The library knows no variable of this number and type.
+#[test]
+fn law_a_variable_that_can_not_be_read_is_named() {
+    let units = Units::new();
+    let text = DESCRIPTION.replace("name=\"x0\" valueReference=\"4\"", "name=\"x0\" valueReference=\"77\"");
+    let path = units.pack("reference.fmu", &text, &common::library());
+    let findings = check(&path);
+    let named = findings.iter().any(|finding| {
+        finding.variable.as_deref() == Some("x0") && finding.text.contains("fmi2GetReal answered error")
+    });
+    assert!(named, "{findings:#?}");
 }
 
 #[test]

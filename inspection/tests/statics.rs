@@ -282,6 +282,64 @@ fn law_what_is_no_archive_is_a_finding_and_what_is_not_there_an_error() {
 }
 
 #[test]
+fn law_a_rule_that_had_nothing_to_look_at_is_not_among_those_that_found_nothing() {
+    common::host();
+    let units = Units::new();
+    let path = units.path().join("text.fmu");
+    std::fs::write(&path, "").expect("writable");
+    let limits = inspection::Limits::default();
+    let looked = inspection::look(&path, &limits).expect("looked at");
+    assert_eq!(looked.rules(), ["archive"]);
+    let reasons = looked.reasons();
+    assert!(reasons.len() == 1 && reasons[0].0 == "the file is no zip archive", "{reasons:?}");
+    assert!(reasons[0].1.contains(&"crash") && reasons[0].1.contains(&"leak"), "{reasons:?}");
+    // no end of the description: what it says is not known
+    let path = units.pack("cut.fmu", &DESCRIPTION.replace("  </ModelVariables>", ""), &common::library());
+    let looked = inspection::look(&path, &limits).expect("looked at");
+    assert!(looked.rules().contains(&"well-formed") && !looked.rules().contains(&"outputs"), "{looked:?}");
+    let reasons: Vec<&str> = looked.reasons().into_iter().map(|(why, _)| why).collect();
+    assert_eq!(reasons, ["the description can't be read to its end", "the unit can't be opened"]);
+}
+
+#[test]
+fn value_findings_are_sentences_and_have_their_line() {
+    let units = Units::new();
+    let said = |from: &str, to: &str| {
+        let text = DESCRIPTION.replacen(from, to, 1);
+        let findings = check(&units.pack("planted.fmu", &text, &common::library()));
+        findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    let text = said("causality=\"output\"", "causality=\"ouput\"");
+    for sentence in [
+        "causality=\"ouput\" in <ScalarVariable> y: there is no such value; did you mean output (or input)?",
+        "ModelStructure/Outputs must not list it: it lists every variable with causality=\"output\", and no other",
+        "ModelStructure/InitialUnknowns must not list it: it lists every output, calculated parameter, state",
+    ] {
+        assert!(text.contains(sentence), "{sentence} in {text}");
+    }
+    let text = said("start=\"2\"", "start=\"2,5\"");
+    assert!(text.contains("start=\"2,5\" in <Real>: wanted is a number"), "{text}");
+}
+
+/// The byte of an ü in Latin-1, in the third line.
+#[test]
+fn value_a_description_in_another_encoding_is_told_with_its_line() {
+    let units = Units::new();
+    let path = units.path().join("latin.fmu");
+    let mut bytes = DESCRIPTION.as_bytes().to_vec();
+    let place = DESCRIPTION.find("<CoSimulation").expect("it is there");
+    bytes.insert(place, 0xFC);
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).expect("writable"));
+    zip.start_file("modelDescription.xml", zip::write::SimpleFileOptions::default()).expect("an entry");
+    std::io::Write::write_all(&mut zip, &bytes).expect("written");
+    zip.finish().expect("finished");
+    let findings = check(&path);
+    let found = findings.iter().find(|finding| finding.rule == "well-formed").expect("it is told");
+    assert!(found.text.starts_with("modelDescription.xml:3: the byte 0xFC is no UTF-8"), "{found}");
+    assert!(findings.iter().all(|finding| finding.rule != "archive-layout"), "{findings:#?}");
+}
+
+#[test]
 fn every_rule_has_its_section() {
     let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/check.md");
     let page = std::fs::read_to_string(page).expect("docs/check.md");

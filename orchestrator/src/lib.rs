@@ -75,6 +75,7 @@ mod algorithm;
 mod blocks;
 mod bundle;
 mod checkpoint;
+mod differences;
 mod error;
 pub mod fmu;
 mod graph;

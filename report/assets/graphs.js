@@ -7,6 +7,7 @@ acro.graph = function (figure, described, columns, height) {
   const over = columns(described.over);
   const data = [over, ...described.lines.map((line) => columns(line.column))];
   const whole = described.x_range || acro.whole(described, over);
+  described.link = [described.x, ...whole].join("|");
   const host = acro.element("div", { class: "plot", tabindex: 0, role: "group", "aria-label": acro.described(described) });
   const reset = acro.element("button", { type: "button", hidden: "", onclick: () => plot.setScale("x", { min: whole[0], max: whole[1] }) }, "Whole range");
   const head = acro.element("div", { class: "graph-head" }, acro.element("h3", {}, described.title), reset);
@@ -29,11 +30,14 @@ acro.graph = function (figure, described, columns, height) {
   return plot;
 };
 
-// What "all" is: of all graphs of the page over the same axis, since they are linked.
+// What "all" is: of all graphs of the page over the same axis, since they are linked. A graph of a part leaves those out that are more than
+// twice as long: it would be empty for the most of it.
 acro.whole = function (described, over) {
   const like = ((acro.packed && acro.packed.graphs) || []).filter((graph) => graph.x === described.x && !graph.x_range);
-  const ends = [over, ...new Set(like.map((graph) => graph.over))].map((column) => (typeof column === "number" ? acro.column(column) : column));
-  return [Math.min(...ends.map((end) => end[0])), Math.max(...ends.map((end) => end[end.length - 1]))];
+  const columns = [over, ...new Set(like.map((graph) => graph.over))].map((column) => (typeof column === "number" ? acro.column(column) : column));
+  const ends = columns.map((column) => [column[0], column[column.length - 1]]);
+  const near = ends.filter((end) => end[1] - end[0] <= 2 * (ends[0][1] - ends[0][0]));
+  return [Math.min(...near.map((end) => end[0])), Math.max(...near.map((end) => end[1]))];
 };
 
 acro.height = (host, height) => height || (host.clientWidth < 480 ? 240 : 300);
@@ -64,7 +68,7 @@ acro.options = function (described, data, state, host, height) {
     legend: { markers: { width: 2, stroke: (_, line) => (line ? `var(--line${(line - 1) % 6})` : "transparent"), dash: (_, line) => acro.dashes(described.lines[line - 1]) } },
     cursor: {
       x: true, y: false, drag: { x: true, y: false, dist: 6 }, points: { size: 6 },
-      sync: { key: described.x, scales: ["x", null] },
+      sync: { key: described.link, scales: ["x", null] },
       dataIdx: (_, line, row) => acro.nearest(data[line], row),
     },
     hooks: {
@@ -116,12 +120,12 @@ acro.nearest = function (values, row) {
   return row;
 };
 
-// All graphs over the same axis show the same part of it.
+// All graphs over the same part of an axis show the same of it.
 acro.link = function (plot, described) {
   const { min, max } = plot.scales.x;
   for (const other of acro.graphs) {
     const scale = other.plot.scales.x;
-    if (other.plot !== plot && other.described.x === described.x && (scale.min !== min || scale.max !== max)) other.plot.setScale("x", { min, max });
+    if (other.plot !== plot && other.described.link === described.link && (scale.min !== min || scale.max !== max)) other.plot.setScale("x", { min, max });
   }
 };
 

@@ -151,6 +151,11 @@ impl Provenance {
     }
 }
 
+/// Text with its ends of lines: an error tells the last calls of a unit below it.
+fn lines(text: &str) -> Markup {
+    html! { @for (number, line) in text.lines().enumerate() { @if number > 0 { br; } (line) } }
+}
+
 impl Page {
     /// The verdict, in large letters.
     pub fn verdict(&mut self, verdict: &Verdict) -> &mut Self {
@@ -165,7 +170,7 @@ impl Page {
                 @if !verdict.figures.is_empty() {
                     dl { @for figure in &verdict.figures { div { dt { (figure.label) } dd { (figure.text()) } } } }
                 }
-                @for note in &verdict.notes { p.note { (note) } }
+                @for note in &verdict.notes { p.note { (lines(note)) } }
             }
         })
     }

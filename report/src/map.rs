@@ -3,6 +3,8 @@
 use crate::Error;
 use crate::graph::{Area, Axis, FONT, Refusal, Style, tick};
 use crate::legend::{self, Entry};
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 /// A value over a plane. Cells are rectangles around their centres.
@@ -14,6 +16,8 @@ pub struct HeatMap {
     pub x: Axis,
     /// Vertical axis; needs a range.
     pub y: Axis,
+    /// Where ticks stand along x and y; empty: where round numbers are.
+    pub ticks: [Vec<f64>; 2],
     /// Everything along x is given as its decimal logarithm; the ticks show the value itself.
     pub log_x: bool,
     /// Edges of the cells along x, one more than columns.
@@ -79,7 +83,10 @@ impl HeatMap {
             .margin(8)
             .x_label_area_size(38)
             .y_label_area_size(64)
-            .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
+            .build_cartesian_2d(
+                Ticked { axis: (x.0..x.1).into(), ticks: thinned(&self.ticks[0]) },
+                Ticked { axis: (y.0..y.1).into(), ticks: thinned(&self.ticks[1]) },
+            )?;
         chart.draw_series(self.cells())?;
         chart
             .configure_mesh()
@@ -89,9 +96,13 @@ impl HeatMap {
             .label_style((FONT, 13))
             .x_label_formatter(&|value| match self.log_x {
                 true => rounded(10f64.powf(*value)),
-                false => tick(*value, x),
+                false if self.ticks[0].is_empty() => tick(*value, x),
+                false => crate::head::short(*value),
             })
-            .y_label_formatter(&|value| tick(*value, y))
+            .y_label_formatter(&|value| match self.ticks[1].is_empty() {
+                true => tick(*value, y),
+                false => crate::head::short(*value),
+            })
             .draw()?;
         for (index, contour) in self.contours.iter().enumerate() {
             let colour = crate::graph::colour(index);
@@ -142,6 +153,37 @@ impl Bar {
     }
 }
 
+/// Ticks of an axis, at most: more labels would lie over each other.
+const TICKS: usize = 9;
+
+/// Evenly thinned where they are many.
+fn thinned(ticks: &[f64]) -> Vec<f64> {
+    ticks.iter().copied().step_by(ticks.len().div_ceil(TICKS).max(1)).collect()
+}
+
+/// An axis with ticks of its own; without any they stand at round numbers.
+struct Ticked {
+    axis: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+impl Ranged for Ticked {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.axis.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if self.ticks.is_empty() { self.axis.key_points(hint) } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.axis.range()
+    }
+}
+
 /// A number with two digits.
 fn rounded(value: f64) -> String {
     let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
@@ -176,6 +218,7 @@ mod tests {
             x: Axis::over("x", 0.0, 2.0),
             y: Axis::over("y", 0.0, 2.0),
             log_x: false,
+            ticks: Default::default(),
             x_edges: vec![0.0, 1.0, 2.0],
             y_edges: vec![0.0, 1.0, 2.0],
             values: vec![0.0, 0.3, 0.6, 1.0],
@@ -198,6 +241,7 @@ mod tests {
             x: Axis::over("x", 0.0, 2.0),
             y: Axis::over("y", 0.0, 1.0),
             log_x: false,
+            ticks: Default::default(),
             x_edges: vec![0.0, 1.0, 2.0],
             y_edges: vec![0.0, 1.0],
             values: vec![0.12, 1.0],

@@ -184,6 +184,7 @@ fn value_cells_are_as_blue_as_their_values() {
         x: Axis::over("x", -2.0, 1.0),
         y: Axis::over("y", 0.0, 1.0),
         log_x,
+        ticks: Default::default(),
         x_edges: vec![-2.0, -1.0, 0.0, 1.0],
         y_edges: vec![0.0, 1.0],
         values: vec![0.0, 0.5, 1.0],
@@ -202,6 +203,35 @@ fn value_cells_are_as_blue_as_their_values() {
         assert!(svg.contains(label), "{label:?} in {svg}");
     }
     assert!(map(false).to_svg().expect("drawn").contains("\n-2.0\n"));
+}
+
+/// Cells of a grid reach beyond its values; ticks stand at the values, and thinned where they are many.
+#[test]
+fn value_ticks_of_a_map_stand_where_they_are_asked_for() {
+    let map = |count: u32| {
+        let at: Vec<f64> = (0..count).map(|step| f64::from(step) * 20.0).collect();
+        let last = at[at.len() - 1];
+        let edges = (0..=count).map(|step| f64::from(step) * 20.0 - 10.0).collect();
+        let map = HeatMap {
+            title: String::new(),
+            x: Axis::over("k", -10.0, last + 10.0),
+            y: Axis::over("c", -0.75, 2.25),
+            log_x: false,
+            ticks: [at, vec![0.0, 1.5]],
+            x_edges: edges,
+            y_edges: vec![-0.75, 0.75, 2.25],
+            values: vec![0.5; 2 * count as usize],
+            contours: Vec::new(),
+            bar: None,
+        };
+        let svg = map.to_svg().expect("drawn");
+        let texts = svg.split("</text>").filter_map(|text| text.trim_end().rsplit('\n').next());
+        let mut numbers: Vec<f64> = texts.filter_map(|text| text.trim().parse().ok()).collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers
+    };
+    assert_eq!(map(4), [0.0, 0.0, 1.5, 20.0, 40.0, 60.0]);
+    assert!(map(40).len() <= 2 + 9, "{:?}", map(40));
 }
 
 #[test]
@@ -283,6 +313,7 @@ fn law_a_page_has_the_scripts_that_it_needs_and_no_others() {
         x: Axis::over("x", 0.0, 1.0),
         y: Axis::over("y", 0.0, 1.0),
         log_x: false,
+        ticks: Default::default(),
         x_edges: vec![0.0, 1.0],
         y_edges: vec![0.0, 1.0],
         values: vec![0.5],
@@ -318,4 +349,17 @@ fn value_graphs_of_a_page_count_from_0_and_pictures_have_names() {
         assert!(!place.contains("data-graph"), "{place}");
         assert!(place.contains("<svg role=\"img\" aria-label=\"its name\" "), "{place}");
     }
+}
+
+/// An error tells the last calls of a unit below what it did.
+#[test]
+fn value_the_lines_of_a_note_stay_lines() {
+    let verdict = report::Verdict {
+        standing: report::Standing::Bad,
+        words: "ended by an error".into(),
+        figures: Vec::new(),
+        notes: vec!["a segmentation fault)\n  last calls: fmi2GetReal".into()],
+    };
+    let page = report::Page::new("x").verdict(&verdict).to_html();
+    assert!(page.contains("a segmentation fault)<br>  last calls: fmi2GetReal"), "{page}");
 }

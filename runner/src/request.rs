@@ -14,6 +14,8 @@ pub struct Request {
     /// What is set, each name once, in order of the names: the last one counts, as for the run.
     sets: Vec<(String, String)>,
     stop: Option<String>,
+    /// Options that keep a unit within limits, as they are typed: without them the same run may end the program.
+    limits: Vec<String>,
 }
 
 /// Changes that a title names; more are counted.
@@ -26,7 +28,8 @@ impl Request {
     pub fn of(arguments: &Run) -> Result<Self, Error> {
         let sets = sets(&arguments.set)?;
         let stop = arguments.stop.as_ref().map(|stop| stop.trim().to_owned());
-        Ok(Self { scenario: arguments.scenario.clone(), sets, stop })
+        let limits = isolation_words(arguments.isolate, arguments.step_limit, arguments.memory_limit);
+        Ok(Self { scenario: arguments.scenario.clone(), sets, stop, limits })
     }
 
     /// Puts into the scenario what was typed beside its name, and a description that says so: a changed run must not
@@ -85,8 +88,17 @@ impl Request {
         if let Some(stop) = &self.stop {
             words.extend(["--stop".to_owned(), shell_word(stop)]);
         }
+        words.extend(self.limits.iter().cloned());
         words.join(" ")
     }
+}
+
+/// The options for processes of their own, as they are typed.
+pub fn isolation_words(isolate: bool, step_limit: Option<f64>, memory_limit: Option<u64>) -> Vec<String> {
+    let isolate = isolate.then(|| "--isolate".to_owned());
+    let step = step_limit.map(|seconds| format!("--step-limit {seconds}"));
+    let memory = memory_limit.map(|size| format!("--memory-limit {size}"));
+    [isolate, step, memory].into_iter().flatten().collect()
 }
 
 /// What `--set` sets, each name once, in order of the names: the last one counts.
@@ -204,5 +216,12 @@ mod tests {
             request("a b.toml", &["u.s=x y"], None).command(),
             "acroscope run 'a b.toml' --set 'u.s=x y'"
         );
+    }
+
+    #[test]
+    fn law_a_run_of_a_unit_in_a_process_of_its_own_is_asked_for_again_so() {
+        let limited =
+            Request { limits: super::isolation_words(true, Some(2.5), Some(64)), ..request("x", &[], None) };
+        assert_eq!(limited.command(), "acroscope run x --isolate --step-limit 2.5 --memory-limit 64");
     }
 }

@@ -192,6 +192,7 @@ fn draw(squares: &[Square], boundary: &[(f64, f64)], words: &str) -> Result<Stri
         x: Axis::over("frame rate in Hz", 5f64.log10(), 240f64.log10()),
         y: Axis::over("total delay in periods", 0.0, 3.0),
         log_x: true,
+        ticks: Default::default(),
         x_edges,
         y_edges,
         values,

@@ -28,8 +28,13 @@ pub enum Error {
         suggestion: String,
     },
     /// The scenario can't be found or read.
-    #[error(transparent)]
-    Scenario(#[from] scenarios::Error),
+    #[error("{place}: {source}")]
+    Scenario {
+        /// Where the study names it: file and line, or what was typed.
+        place: String,
+        /// Why.
+        source: Box<scenarios::Error>,
+    },
     /// The scenario can't be built.
     #[error(transparent)]
     Orchestrator(#[from] orchestrator::Error),

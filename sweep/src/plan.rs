@@ -203,7 +203,10 @@ fn origins(simulation: &Simulation) -> Result<Vec<Origin>, Error> {
 
 /// The scenario with what all cases share.
 fn scenario(study: &Study, limits: &Limits) -> Result<Scenario, Error> {
-    let mut scenario = scenarios::load(&study.scenario)?;
+    let mut scenario = scenarios::load(&study.scenario).map_err(|source| Error::Scenario {
+        place: study.scenario_place.clone(),
+        source: Box::new(source),
+    })?;
     if let Some((stop, place)) = &study.stop {
         scenario.set_stop(stop).map_err(placed(place))?;
     }
@@ -321,6 +324,10 @@ fn checked(scalar: &Scalar, simulation: &Simulation) -> Result<Option<String>, E
     let found = number(simulation, &scalar.signal, &scalar.place)?;
     if let Some(minus) = &scalar.minus {
         number(simulation, minus, &scalar.place)?;
+        if let Some(why) = simulation.unlike(&scalar.signal, minus) {
+            let expected = "a signal of the same unit, which can be taken off it".to_owned();
+            return Err(Error::Study { place: scalar.place.clone(), what: why, expected });
+        }
     }
     match scalar.reduce {
         Reduce::FirstTrue(test) => {

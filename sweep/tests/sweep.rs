@@ -310,6 +310,30 @@ fn every_mistake_is_named_with_its_line() {
     assert!(scenario.contains("--grid"), "{scenario}");
     let part = bench.sweep(GRID, "out", 1, Some((3, 2))).expect_err("there is none").to_string();
     assert!(part.contains("K from 1 to N"), "{part}");
+    let nope =
+        Study::parse(&format!("format = 1\nscenario = \"nope.toml\"\n{GRID}"), &bench.path("study.toml"));
+    let plan = Plan::new(&nope.expect("a study"), &bench.units.unit_path(), &Limits::default());
+    let nope = plan.err().expect("no such scenario").to_string();
+    assert!(nope.contains("study.toml:2: no scenario `"), "{nope}");
+}
+
+#[test]
+fn bad_input_a_signal_of_another_unit_can_not_be_taken_off() {
+    let bench = Bench::new();
+    let unlike = |u1_unit: &'static str, y1_unit: &'static str| {
+        bench.units.add(units_of(u1_unit, y1_unit));
+        bench.plan(GRID).err().map(|error| error.to_string())
+    };
+    let refused = unlike("rad", "m").expect("an angle is no length");
+    assert!(refused.contains("study.toml:8: a.y1 is in m, a.u1 in rad"), "{refused}");
+    assert!(unlike("deg", "rad").is_some(), "numbers are taken off as they are");
+    for (u1, y1) in [("m", "m"), ("", "m"), ("apples", "m"), ("m", "")] {
+        assert_eq!(unlike(u1, y1), None, "{u1:?} {y1:?}");
+    }
+}
+
+fn units_of(u1_unit: &'static str, y1_unit: &'static str) -> common::Fixture {
+    common::Fixture { u1_unit, y1_unit, ..STATEFUL }
 }
 
 #[test]

@@ -47,3 +47,13 @@ def test_the_verdict_and_the_rows_are_those_of_the_file(pages, look):
     page.get_by_role("searchbox").fill(errors[0]["text"].split("\n")[0][:40])
     assert errors[0]["text"][:40] in page.locator(".filtered tbody tr:visible").first.inner_text()
     assert "Nothing speaks against" in look(pages["sound"][0]).locator(".verdict .words").inner_text()
+
+
+def test_rules_that_never_ran_are_not_those_that_found_nothing(pages, look):
+    """The description that is not true keeps the unit from being opened: nothing is known of what it would do."""
+    text = look(pages["broken"][0]).locator("body").inner_text()
+    found, left_out = text.split("Rules that were not looked at")
+    silent = found.split("Rules that found nothing")[1]
+    assert "crash" not in silent and "leak" not in silent
+    assert "crash" in left_out and "because the unit can't be opened" in left_out
+    assert "Rules that were not looked at" not in look(pages["sound"][0]).locator("body").inner_text()

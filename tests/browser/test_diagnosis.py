@@ -111,3 +111,12 @@ def test_any_units_log_is_laid_over_both_models_on_the_run_that_was_left_out(mot
     # Noise of the speed is 0.05 rad/s; without the friction the model is off by ten times that.
     assert off["amended"] < 0.3 * off["nominal"], off
     assert "Residual of motor.w over motor.u" in titles and "Residual of motor.w: autocorrelation" in titles
+
+
+@pytest.mark.parametrize("which", ["report", "motor"])
+def test_no_graph_is_empty_for_the_most_of_its_axis(which, request, look):
+    found = request.getfixturevalue(which)
+    page = look(found if which == "report" else found / "out" / "report.html")
+    shares = "acro.graphs.map(({ plot }) => [plot.data[0].at(-1) - plot.data[0][0], plot.scales.x.max - plot.scales.x.min])"
+    for own, axis in page.evaluate(f"() => {shares}"):
+        assert own >= 0.49 * axis

@@ -102,3 +102,9 @@ def test_the_median_of_an_even_number_lies_between_two(swept, look, study):
         assert float(row[5]) == pytest.approx(statistics.median(values), rel=1e-3)
         even += len(values) % 2 == 0 and len(set(values)) > 1
     assert even, "no scalar has an even number of values: the test would not fail"
+
+
+def test_ticks_of_a_map_stand_at_the_values_of_the_grid(swept, look):
+    texts = look(swept / "two" / "report.html").locator("figure.map").first.locator("svg text").all_text_contents()
+    numbers = [float(text) for text in texts if text.strip().replace(".", "", 1).removeprefix("-").isdigit()]
+    assert {15, 30, 60, 0, 0.02, 0.04, 0.06} <= set(numbers) and min(numbers) >= 0, numbers

@@ -28,12 +28,48 @@ pub fn new(arguments: &New, quiet: bool) -> Result<(), Error> {
     })?;
     file.write_all(text.as_bytes()).map_err(Error::file(path))?;
     if !quiet {
-        let guesses = match text.matches("guess: ").count() {
+        let guesses = guesses(&text);
+        let count = match guesses.len() {
             0 => "nothing in it is guessed".to_owned(),
             1 => "one guess, with a comment".to_owned(),
             more => format!("{more} guesses, each with a comment"),
         };
-        tell!("{}: {guesses}; run it with `acroscope run {}`", path.display(), path.display());
+        for (line, guess) in guesses {
+            tell!("{}:{line}: {guess}", path.display());
+        }
+        tell!("{}: {count}; run it with `acroscope run {}`", path.display(), path.display());
     }
     Ok(())
+}
+
+/// Line and words of each guess. That of a table's head is about the keys below it.
+fn guesses(text: &str) -> Vec<(usize, String)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let guess = |(place, line): (usize, &&str)| {
+        let (what, comment) = line.split_once(" # ")?;
+        let (unit, guess) = comment.split_once("guess: ")?;
+        let below = lines[place + 1..].iter().take_while(|line| !line.is_empty()).take(2);
+        let what = match what.starts_with("[[") {
+            true => below.copied().filter(|key| !key.starts_with("kind")).collect::<Vec<_>>().join(", "),
+            false => what.to_owned(),
+        };
+        Some((place + 1, format!("{what}: {}", [unit, guess].concat())))
+    };
+    lines.iter().enumerate().filter_map(guess).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guesses;
+
+    #[test]
+    fn value_each_guess_is_told_with_its_line_and_what_it_is_about() {
+        let text = "stop = 1.0 # guess: no unit proposes one\n\n[[connections]] # same name\nfrom = \"a.y\"\nto = \"b.y\"\n\n\
+                    [[connections]] # guess: same name; these fit, too: c.y\nfrom = \"a.y\"\nto = \"b.u\"\ndelay = 1\n";
+        let expected = [
+            (1, "stop = 1.0: no unit proposes one".to_owned()),
+            (7, "from = \"a.y\", to = \"b.u\": same name; these fit, too: c.y".to_owned()),
+        ];
+        assert_eq!(guesses(text), expected);
+    }
 }

@@ -33,6 +33,13 @@ pub fn params(arguments: &Params) -> Result<(), Error> {
         .flat_map(|((_, description), entry)| of_unit(&scenario, entry, description))
         .collect();
     let beginnings = &arguments.beginnings;
+    let is_known = |beginning: &str| found.iter().any(|parameter| parameter.name.starts_with(beginning));
+    if let Some(unknown) = beginnings.iter().find(|beginning| !is_known(beginning)) {
+        let units = scenario.units.iter().map(|unit| unit.name.as_str());
+        let names = units.chain(found.iter().map(|parameter| parameter.name.as_str()));
+        let hint = orchestrator::suggest::nearest(unknown, names);
+        return Err(Error::words(format!("nothing that can be set begins with {unknown:?}: {hint}")));
+    }
     found.retain(|parameter| {
         beginnings.is_empty() || beginnings.iter().any(|beginning| parameter.name.starts_with(beginning))
     });

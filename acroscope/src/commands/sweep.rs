@@ -5,7 +5,7 @@ use crate::error::Error;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use report::head::shell_word;
 use runner::folder::Folder;
-use runner::request::folder_name;
+use runner::request::{folder_name, isolation_words};
 use runner::signals::{self, Looking};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
@@ -74,7 +74,7 @@ fn default_folder(arguments: &Sweep, study: &Study) -> PathBuf {
     Path::new("out").join(folder_name(&format!("sweep-{}", study.name), changes.chain(until).chain(stop)))
 }
 
-/// The command that makes all of it again, on any machine: threads and parts change nothing.
+/// The command that makes all of it again, on any machine: threads and parts change nothing. A unit that needs a process of its own does.
 fn command(arguments: &Sweep) -> String {
     let mut words = vec!["acroscope sweep".to_owned(), shell_word(&arguments.study)];
     let stop: Vec<String> = arguments.stop.iter().cloned().collect();
@@ -89,6 +89,7 @@ fn command(arguments: &Sweep) -> String {
     for (option, given) in all {
         words.extend(given.iter().flat_map(|given| [option.to_owned(), shell_word(given)]));
     }
+    words.extend(isolation_words(arguments.isolate, arguments.step_limit, arguments.memory_limit));
     words.join(" ")
 }
 

@@ -121,12 +121,17 @@ fn candidate(
     }
     let neutral = match &raw.neutral {
         Some(value) => {
-            number(described.kind, value.get_ref()).filter(|value| value.is_finite()).ok_or_else(|| {
-                file.wrong(
-                    &value.span(),
-                    format!("neutral = {}: {name} is of type {}", value.get_ref(), described.kind),
-                )
-            })?
+            let wrong = |problem: String| {
+                file.wrong(&value.span(), format!("neutral = {}: {problem}", value.get_ref()))
+            };
+            let neutral = number(described.kind, value.get_ref()).filter(|value| value.is_finite());
+            let neutral = neutral.ok_or_else(|| wrong(format!("{name} is of type {}", described.kind)))?;
+            let is_none =
+                neutral == 0.0 && raw.scale.as_ref().is_some_and(|scale| scale.get_ref() == "saturation");
+            if !is_none && !lies_in((neutral, neutral), limits(described)) {
+                return Err(wrong(beyond(described)));
+            }
+            neutral
         }
         None => model.number(id).ok_or_else(|| {
             file.wrong(&raw.variable.span(), format!("{name} has no start value: write its `neutral`"))
@@ -166,8 +171,27 @@ fn scale(given: &Spanned<String>, variable: &Variable, neutral: f64, file: &File
     }
 }
 
+/// Whether a range lies in another one, but for rounding: one of factors was multiplied.
+fn lies_in((low, high): (f64, f64), (least, most): (f64, f64)) -> bool {
+    let rounding = |limit: f64| 2.0 * f64::EPSILON * limit.abs();
+    low >= least - rounding(least) && high <= most + rounding(most)
+}
+
+/// What to say of a value that the unit does not take.
+fn beyond(variable: &Variable) -> String {
+    let (least, most) = limits(variable);
+    let unit =
+        variable.unit.as_deref().filter(|unit| *unit != "1").map_or_else(String::new, |u| format!(" {u}"));
+    let within = match (least.is_finite(), most.is_finite()) {
+        (true, false) => format!("{least}{unit} or more"),
+        (false, true) => format!("{most}{unit} or less"),
+        _ => format!("{least} to {most}{unit}"),
+    };
+    format!("the unit takes {within} for {}", variable.name)
+}
+
 /// The range in the variable's own unit. A relative candidate may be given it as factors of its neutral value (around 1) or
-/// as shares of it (around 0).
+/// as shares of it (around 0); one that holds both 0 and 1 and nothing below may be meant either way.
 fn range(
     raw: &raw::Candidate,
     variable: &Variable,
@@ -184,14 +208,21 @@ fn range(
         return Err(wrong("the smaller value first".into()));
     }
     let holds = |(low, high): (f64, f64)| low <= neutral && neutral <= high;
+    let within = |range: (f64, f64)| match lies_in(range, described) {
+        true => Ok(range),
+        false => Err(wrong(beyond(variable))),
+    };
     // 0 of a saturation is none, wherever its values begin
-    if holds((low, high)) || scale == Scale::Saturation {
-        return Ok((low, high));
+    if scale == Scale::Saturation {
+        return within((if low == 0.0 { described.0.max(low) } else { low }, high)).map(|_| (low, high));
+    }
+    if holds((low, high)) {
+        return within((low, high));
     }
     let ordered = |one: f64, other: f64| (one.min(other), one.max(other));
     let read = match (scale, low <= 1.0 && 1.0 <= high, low <= 0.0 && 0.0 <= high) {
         (Scale::Relative, true, false) => Some((ordered(low * neutral, high * neutral), "factors")),
-        (Scale::Relative, _, true) => {
+        (Scale::Relative, _, true) if low < 0.0 || high < 1.0 => {
             Some((ordered((1.0 + low) * neutral, (1.0 + high) * neutral), "shares"))
         }
         _ => None,
@@ -203,6 +234,7 @@ fn range(
         "range = [{low}, {high}] doesn't hold the neutral value {neutral} of {}: read as {how} of it, [{}, {}]",
         variable.name, range.0, range.1
     );
+    let range = within(range)?;
     notices.push(Notice { file: "dataset.toml".into(), line: file.line(&given.span()), message });
     Ok(range)
 }

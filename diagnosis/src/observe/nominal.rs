@@ -1,7 +1,7 @@
 //! The nominal model of a data set: a scenario, or one unit alone, with `[set]`.
 
 use super::raw::File;
-use super::{Nominal, Series, VariableId};
+use super::{Channel, Nominal, Role, Series, VariableId};
 use crate::error::{Error, Notice};
 use crate::opened::{open, text};
 use crate::statistics::median::median;
@@ -118,6 +118,24 @@ fn apply(scenario: &mut Scenario, fmus: &[Fmu], file: &File) -> Result<(), Error
         scenario
             .set(&format!("{instance}.{variable}"), &text(value))
             .map_err(|error| wrong(format!("{name}: {error}")))?;
+    }
+    Ok(())
+}
+
+/// A value of `[set]` for an input that a channel feeds would count for nothing, as `run --set` says of one that a source drives.
+pub(super) fn refuse_fed(model: &Nominal, channels: &[Channel], file: &File) -> Result<(), Error> {
+    let mut given = BTreeMap::new();
+    flatten(&file.raw.set, "", &mut given);
+    for name in given.keys() {
+        let Ok(id) = find(&model.scenario, &model.fmus, name) else { continue };
+        let feeds = |channel: &&Channel| channel.variable == id && matches!(channel.role, Role::Fed(_));
+        if let Some(channel) = channels.iter().find(feeds) {
+            let problem = format!(
+                "[set] {name} is fed: the [[channel]] of line {} would overwrite it; leave one of both out",
+                channel.line
+            );
+            return Err(Error::Manifest { path: file.path.clone(), line: file.line_of_set(name), problem });
+        }
     }
     Ok(())
 }

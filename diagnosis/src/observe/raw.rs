@@ -146,6 +146,10 @@ fn line(text: &str, span: &Range<usize>) -> usize {
 /// The reader's message, with the nearest key where one is unknown: ``unknown field `colum`, expected one of `a`, `b```.
 fn advised(message: &str) -> String {
     let message = message.replace('\n', " ");
+    // the only one is `range`
+    if message.contains("a tuple of size 2") {
+        return "range: two numbers are wanted, the smallest value and the largest: [0.0, 1.0]".into();
+    }
     if !message.starts_with("unknown field") {
         return message;
     }

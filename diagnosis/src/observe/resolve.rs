@@ -27,6 +27,7 @@ pub(super) fn problem(
     super::own::take(&mut model, &mut notices);
     notices.extend(nominal::repeated_names(&model));
     let channels = channels(&model, file)?;
+    nominal::refuse_fed(&model, &channels, file)?;
     let runs = runs(folder, file, &channels, &mut notices)?;
     if file.raw.fmu.is_some() {
         nominal::pace(&mut model, runs.iter().flat_map(|run| &run.series));

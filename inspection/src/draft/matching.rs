@@ -52,8 +52,11 @@ pub(super) fn choose<'u>(units: &'u [Unit], to: usize, input: &Variable) -> Choi
     };
     match (same.as_slice(), alike.as_slice()) {
         ([from], _) => {
-            let comment = format!("same name{}", unit_words(from.1, input));
-            Choice::Connect { from: *from, comment, others: [alike, related].concat() }
+            let others = [alike, related].concat();
+            // the same name settles it only where nothing else would do
+            let guess = if others.is_empty() { "" } else { "guess: " };
+            let comment = format!("{guess}same name{}", unit_words(from.1, input));
+            Choice::Connect { from: *from, comment, others }
         }
         ([], [from]) => {
             let comment = format!("guess: the names are alike{}", unit_words(from.1, input));
@@ -61,9 +64,11 @@ pub(super) fn choose<'u>(units: &'u [Unit], to: usize, input: &Variable) -> Choi
         }
         ([], []) if related.is_empty() => free("no output fits".into(), Vec::new()),
         ([], []) => {
-            free("no output has its name; these are related, and fit in type and unit".into(), related)
+            let why =
+                "guess: a constant; no output has its name, these are related, and fit in type and unit";
+            free(why.into(), related)
         }
-        _ => free("several outputs fit; choose one".into(), [same, alike].concat()),
+        _ => free("guess: a constant; several outputs fit, choose one".into(), [same, alike].concat()),
     }
 }
 

@@ -10,6 +10,8 @@ use std::fmt::Write as _;
 pub(super) enum Halt {
     /// A call failed.
     Call(Box<Error>),
+    /// A variable can't be read.
+    Of(String, Box<Error>),
     /// The unit wants its run to end; that is its right.
     Ended,
 }
@@ -222,11 +224,29 @@ impl Subject<'_> {
                 continue;
             }
             let references: Vec<u32> = of_kind.iter().map(|variable| variable.reference).collect();
-            let read =
-                self.call(&format!("fmi2Get{kind}{}", named(&of_kind)), |i| get(i, kind, &references))?;
+            let read = self.call(&format!("fmi2Get{kind}{}", named(&of_kind)), |i| get(i, kind, &references));
+            let read = read.map_err(|halt| self.refused(&of_kind, halt))?;
             places.into_iter().zip(read).for_each(|(place, value)| values[place] = value);
         }
         Ok(values)
+    }
+
+    /// Which of some variables can't be read, asked for one by one. A unit that answers nothing after an error doesn't tell.
+    fn refused(&mut self, variables: &[&Variable], halt: Halt) -> Halt {
+        let Halt::Call(error) = halt else { return halt };
+        let mut refused = Vec::new();
+        for variable in variables {
+            let what = format!("fmi2Get{} {}", variable.kind, variable.name);
+            if self.call(&what, |instance| instance.get(variable.kind, variable.reference)).is_err() {
+                refused.push(variable);
+            }
+        }
+        match refused.first() {
+            Some(first) if refused.len() < variables.len() || variables.len() == 1 => {
+                Halt::Of(first.name.clone(), error)
+            }
+            _ => Halt::Call(error),
+        }
     }
 
     /// The outputs after each of some steps.

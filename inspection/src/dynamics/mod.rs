@@ -21,6 +21,7 @@ pub use worker::{host_rules, host_rules_by};
 use crate::archive::Archive;
 use crate::error::Error;
 use crate::finding::{Finding, Found};
+use crate::looked::{LeftOut, Looked};
 use bench::{Bench, Halt};
 use orchestrator::Fmu;
 use std::path::Path;
@@ -99,34 +100,39 @@ pub(crate) fn findings(
     archive: &Archive,
     limits: &Limits,
     before: &[Finding],
-) -> Result<Vec<Finding>, Error> {
+) -> Result<Looked, Error> {
     let mut found = Found::new(RULES[0].id);
-    if let Err(error) = Fmu::open(path) {
+    let why = if let Err(error) = Fmu::open(path) {
         // Most often the rules that read have said so in their words.
         if !before.iter().any(|finding| finding.severity == crate::Severity::Error) {
             found.error(format!("it can't be opened: {error}"));
         }
-        return Ok(found.findings);
-    }
-    let here = orchestrator::fmu::platforms();
-    let platforms: Vec<&str> = archive.binaries.iter().map(|binary| binary.platform.as_str()).collect();
-    if !platforms.iter().any(|platform| here.contains(platform)) {
-        if !platforms.is_empty() {
-            let held = platforms.join(", ");
+        "the unit can't be opened"
+    } else if let Some(held) = elsewhere(archive) {
+        if !held.is_empty() {
+            let here = orchestrator::fmu::platforms()[0];
             found.note(format!(
-                "it has libraries for {held} and none for this machine, {}: it was not run",
-                here[0]
+                "it has libraries for {held} and none for this machine, {here}: it was not run"
             ));
         }
-        return Ok(found.findings);
-    }
-    if !worker::is_hosted() {
+        "the unit has no library for this machine"
+    } else if !worker::is_hosted() {
         found.note(
             "it was not run: this program can't start itself again as the process for that; `acroscope` can",
         );
-        return Ok(found.findings);
-    }
-    run_all(path, limits)
+        "this program can't run a unit in a process of its own"
+    } else {
+        return run_all(path, limits);
+    };
+    let left_out = names().map(|rule| LeftOut { rule, why: why.into() }).collect();
+    Ok(Looked { findings: found.findings, left_out })
+}
+
+/// The platforms of its libraries, where none is for this machine.
+fn elsewhere(archive: &Archive) -> Option<String> {
+    let here = orchestrator::fmu::platforms();
+    let platforms: Vec<&str> = archive.binaries.iter().map(|binary| binary.platform.as_str()).collect();
+    (!platforms.iter().any(|platform| here.contains(platform))).then(|| platforms.join(", "))
 }
 
 /// What one of them finds.
@@ -135,37 +141,38 @@ pub(crate) fn findings_by(rule: &str, path: &Path, limits: &Limits) -> Result<Ve
         let known = orchestrator::nearest(rule, RULES.iter().map(|rule| rule.id));
         return Err(Error::Rule { rule: rule.to_owned(), known });
     };
-    Ok(run_one(rule, path, limits)?.findings)
+    Ok(run_one(rule, path, limits)?.0)
 }
 
-fn run_all(path: &Path, limits: &Limits) -> Result<Vec<Finding>, Error> {
-    let mut all = Vec::new();
-    let mut steady = true;
+fn run_all(path: &Path, limits: &Limits) -> Result<Looked, Error> {
+    let (mut all, mut left_out) = (Vec::new(), Vec::new());
+    let (mut steady, mut broken) = (true, false);
     for rule in RULES.iter() {
-        if rule.compares && !steady {
+        let mut leave_out = |why: &str| left_out.push(LeftOut { rule: rule.id, why: why.into() });
+        if broken {
+            leave_out("the unit does not get through its first plain run");
             continue;
         }
-        let Looked { mut findings, is_steady } = run_one(rule, path, limits)?;
-        steady &= is_steady;
-        let broken = rule.id == RULES[0].id && findings.iter().any(|f| f.severity == crate::Severity::Error);
-        all.append(&mut findings);
-        if broken {
-            break;
+        if rule.compares && !steady {
+            leave_out("two runs of the unit differ");
+            continue;
         }
+        let (mut findings, is_steady) = run_one(rule, path, limits)?;
+        if findings.iter().any(|finding| ENDS.contains(&finding.rule.as_str())) {
+            leave_out("its process came to an end before it was through");
+        }
+        steady &= is_steady;
+        broken = rule.id == RULES[0].id && findings.iter().any(|f| f.severity == crate::Severity::Error);
+        all.append(&mut findings);
     }
-    Ok(all)
+    Ok(Looked { findings: all, left_out })
 }
 
 /// What a rule found, and whether two runs of the unit are alike as far as it shows.
-struct Looked {
-    findings: Vec<Finding>,
-    is_steady: bool,
-}
-
-fn run_one(rule: &Rule, path: &Path, limits: &Limits) -> Result<Looked, Error> {
+fn run_one(rule: &Rule, path: &Path, limits: &Limits) -> Result<(Vec<Finding>, bool), Error> {
     let Ended { findings, trace } = worker::run(rule.id, path, limits)?;
     if rule.id != "repeatable" || !findings.is_empty() {
-        return Ok(Looked { findings, is_steady: true });
+        return Ok((findings, true));
     }
     // Two processes: what differs there is no matter of instances that share something.
     let again = worker::run(rule.id, path, limits)?;
@@ -178,7 +185,7 @@ fn run_one(rule: &Rule, path: &Path, limits: &Limits) -> Result<Looked, Error> {
              compares runs is not looked at",
         );
     }
-    Ok(Looked { findings: found.findings, is_steady })
+    Ok((found.findings, is_steady))
 }
 
 /// Looks at one rule, in the process for it.
@@ -188,6 +195,7 @@ fn look(id: &str, bench: &Bench) -> Vec<Finding> {
     match (rule.find)(bench, &mut found) {
         Ok(()) | Err(Halt::Ended) => {}
         Err(Halt::Call(error)) => found.error(error.to_string()),
+        Err(Halt::Of(name, error)) => found.say(crate::Severity::Error, Some(&name), error.to_string()),
     }
     // an error begins with the name of its unit, and that of the one that is looked at is "unit"
     for finding in &mut found.findings {

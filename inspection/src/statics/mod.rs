@@ -12,6 +12,7 @@ mod values;
 
 use crate::archive::Archive;
 use crate::finding::{Finding, Found};
+use crate::looked::LeftOut;
 use crate::model::{Model, Variable};
 use crate::xml::{Element, Fault};
 
@@ -19,6 +20,16 @@ use crate::xml::{Element, Fault};
 struct OnFile {
     id: &'static str,
     find: fn(&File<'_>, &mut Found),
+    /// What it has to have for there to be anything to look at.
+    needs: Needs,
+}
+
+/// How far the description must be read for a rule on the file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Needs {
+    Nothing,
+    Text,
+    Tree,
 }
 
 /// A rule on what the description says.
@@ -37,16 +48,26 @@ impl File<'_> {
     fn root(&self) -> Option<&Element> {
         self.tree.and_then(|tree| tree.as_ref().ok())
     }
+
+    /// Why there is nothing to look at for a rule, if there is nothing.
+    fn lacks(&self, needs: Needs) -> Option<&'static str> {
+        match (needs, self.tree) {
+            (Needs::Nothing, _) => None,
+            (_, None) => Some("there is no description to read"),
+            (Needs::Tree, Some(Err(_))) => Some("the description can't be read to its end"),
+            _ => None,
+        }
+    }
 }
 
 const ON_FILE: &[OnFile] = &[
-    OnFile { id: "archive-layout", find: archive::layout },
-    OnFile { id: "archive-paths", find: archive::paths },
-    OnFile { id: "binaries", find: archive::binaries },
-    OnFile { id: "binary-functions", find: archive::functions },
-    OnFile { id: "source-files", find: archive::sources },
-    OnFile { id: "well-formed", find: schema::well_formed },
-    OnFile { id: "schema", find: schema::schema },
+    OnFile { id: "archive-layout", find: archive::layout, needs: Needs::Nothing },
+    OnFile { id: "archive-paths", find: archive::paths, needs: Needs::Nothing },
+    OnFile { id: "binaries", find: archive::binaries, needs: Needs::Nothing },
+    OnFile { id: "binary-functions", find: archive::functions, needs: Needs::Nothing },
+    OnFile { id: "source-files", find: archive::sources, needs: Needs::Tree },
+    OnFile { id: "well-formed", find: schema::well_formed, needs: Needs::Text },
+    OnFile { id: "schema", find: schema::schema, needs: Needs::Tree },
 ];
 
 const ON_MODEL: &[OnModel] = &[
@@ -81,25 +102,34 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     ON_FILE.iter().map(|rule| rule.id).chain(ON_MODEL.iter().map(|rule| rule.id))
 }
 
-/// What all of them find.
-pub(crate) fn findings(archive: &Archive) -> Vec<Finding> {
-    let tree = archive.description.as_ref().ok().map(|text| Element::parse(text));
+/// What all of them find, and those that had nothing to look at.
+pub(crate) fn findings(archive: &Archive) -> (Vec<Finding>, Vec<LeftOut>) {
+    let read = archive.description.as_ref().ok();
+    let tree = read.map(|text| text.as_ref().map_err(Clone::clone).and_then(|text| Element::parse(text)));
     let file = File { archive, tree: tree.as_ref() };
-    let mut all = Vec::new();
+    let (mut all, mut left_out) = (Vec::new(), Vec::new());
     for rule in ON_FILE {
+        if let Some(why) = file.lacks(rule.needs) {
+            left_out.push(LeftOut { rule: rule.id, why: why.into() });
+            continue;
+        }
         let mut found = Found::new(rule.id);
         (rule.find)(&file, &mut found);
         all.append(&mut found.findings);
     }
     // A description of another version or kind is told by `schema`; its variables have other rules.
-    let Some(root) = file.root().filter(|root| schema::is_ours(root)) else { return all };
+    let Some(root) = file.root().filter(|root| schema::is_ours(root)) else {
+        let why = file.lacks(Needs::Tree).unwrap_or("it is no description of FMI 2.0");
+        left_out.extend(ON_MODEL.iter().map(|rule| LeftOut { rule: rule.id, why: why.into() }));
+        return (all, left_out);
+    };
     let model = Model::of(root);
     for rule in ON_MODEL {
         let mut found = Found::new(rule.id);
         (rule.find)(&model, &mut found);
         all.append(&mut found.findings);
     }
-    all
+    (all, left_out)
 }
 
 /// Findings about a variable say its line and its name.

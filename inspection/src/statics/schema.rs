@@ -95,12 +95,8 @@ fn attributes(element: &Element, shape: &Shape, found: &mut Found) {
                 found.error_at(element.line, what);
             }
             Some(attribute) => {
-                if let Some(expected) = attribute.holds.wrong(value) {
-                    let what = format!(
-                        "{name}=\"{value}\" in <{}>{}: wanted is {expected}",
-                        shape.name,
-                        named(element)
-                    );
+                if let Some(right) = attribute.holds.wrong(value) {
+                    let what = format!("{name}=\"{value}\" in <{}>{}: {right}", shape.name, named(element));
                     found.error_at(element.line, what);
                 }
             }

@@ -57,8 +57,10 @@ fn compare(
     for unknown in named {
         if let Some(place) = unknown.variable.filter(|place| !wanted.contains(place)) {
             let variable = &model.variables[place];
-            let text =
-                crate::finding::at(unknown.line, format!("ModelStructure/{list} lists it, but not {why}"));
+            let text = crate::finding::at(
+                unknown.line,
+                format!("ModelStructure/{list} must not list it: it lists {why}"),
+            );
             found.say(crate::Severity::Error, Some(variable.name), text);
         }
     }
@@ -133,7 +135,7 @@ pub(super) fn initial_unknowns(model: &Model<'_>, found: &mut Found) {
         model.initial_unknowns.iter().filter_map(|unknown| unknown.variable).collect();
     wanted
         .retain(|place| listed.contains(place) || !alias(*place).is_some_and(|alias| held.contains(&alias)));
-    let why = "outputs, calculated parameters, states and derivatives that are calculated or approximate at the start, and no other";
+    let why = "every output, calculated parameter, state and derivative that is calculated or approximate at the start, and no other";
     compare(model, "InitialUnknowns", &model.initial_unknowns, &wanted, why, found);
 }
 

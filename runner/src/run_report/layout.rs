@@ -165,6 +165,12 @@ impl Layout {
                 Some(other) => return refused(name, format!("is of type {other}: {key} wants a Boolean")),
             }
         }
+        for (signal, minus) in self.differences() {
+            if let Some(why) = simulation.unlike(signal, minus) {
+                let line = |text: &str| line_of_name(text, minus);
+                return Err(wrong(simulation.scenario(), line, format!("minus = {minus:?}: {why}")));
+            }
+        }
         if self.graphs.is_none() {
             let (graphs, more) = defaults::graphs(simulation);
             self.graphs = Some(graphs);
@@ -182,6 +188,14 @@ impl Layout {
     pub fn graphs_as_json(&self) -> String {
         // Texts only: nothing can fail.
         serde_json::to_string(&self.graphs().collect::<Vec<_>>()).unwrap_or_default()
+    }
+
+    /// Signals, and what is taken off them.
+    fn differences(&self) -> impl Iterator<Item = (&str, &str)> {
+        let lines = self.graphs().flat_map(|graph| &graph.lines);
+        let lines = lines.filter_map(|line| Some((line.signal.as_str(), line.minus.as_deref()?)));
+        let figures = self.verdict.figures.iter();
+        lines.chain(figures.filter_map(|figure| Some((figure.signal.as_str(), figure.minus.as_deref()?))))
     }
 
     /// Every variable that the page needs.

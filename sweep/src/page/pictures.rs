@@ -151,6 +151,7 @@ fn map(
         x: Axis::over(&x.label, left, right),
         y: Axis::over(&y.label, bottom, top),
         log_x: log,
+        ticks: [xs.clone(), ys.clone()],
         x_edges,
         y_edges,
         values: raw.iter().map(|value| if value.is_finite() { shade(*value) } else { f64::NAN }).collect(),

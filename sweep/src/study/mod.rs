@@ -47,6 +47,8 @@ pub struct Study {
     pub name: String,
     /// The scenario: a shipped one, or a path.
     pub(crate) scenario: String,
+    /// Where it was named.
+    pub(crate) scenario_place: String,
     /// Stop time as it was typed, and where.
     pub(crate) stop: Option<(String, String)>,
     pub(crate) until: Option<Until>,

@@ -48,12 +48,14 @@ pub(super) fn study(source: &str, origin: &Origin, name: String, folder: &Path) 
     if let Some(description) = find("description") {
         text::string(at, description, "a text")?;
     }
-    let scenario = text::string(at, needed("scenario", "the name of a scenario or its path")?, "a text")?;
+    let named = needed("scenario", "the name of a scenario or its path")?;
+    let scenario = text::string(at, named, "a text")?;
     let (parameters, design) = designs::design(at, &entries)?;
     let study = Study {
         text: source.to_owned(),
         name,
         scenario: beside(&scenario, folder),
+        scenario_place: at.place(&named.2),
         stop: find("stop").map(|entry| stop(at, entry)).transpose()?,
         until: find("until").map(|entry| until(at, entry)).transpose()?,
         set: find("set").map_or(Ok(Vec::new()), |entry| set(at, entry))?,

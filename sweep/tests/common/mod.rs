@@ -5,7 +5,9 @@
 #[path = "../../../orchestrator/tests/common/mod.rs"]
 mod units;
 
-pub use units::{LEAKY, ONLY_ONCE, STATEFUL, Units, described_as_only_once, description, library_with};
+pub use units::{
+    Fixture, LEAKY, ONLY_ONCE, STATEFUL, Units, described_as_only_once, description, library_with,
+};
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;

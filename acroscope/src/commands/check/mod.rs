@@ -4,7 +4,7 @@ mod page;
 
 use crate::cli::Check;
 use crate::error::Error;
-use inspection::{Finding, Limits, Severity};
+use inspection::{Finding, Limits, Looked, Severity};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -17,23 +17,19 @@ pub fn check(arguments: &Check, quiet: bool) -> Result<(), Error> {
         call: Duration::from_secs_f64(arguments.step_limit),
         memory: arguments.memory_limit.saturating_mul(1 << 20),
     };
-    let findings = inspection::check(&arguments.file, &limits)?;
-    let errors = count(&findings, Severity::Error);
-    let page = arguments.out.as_ref().map(|out| page::write(arguments, out, &findings)).transpose()?;
+    let looked = inspection::look(&arguments.file, &limits)?;
+    let findings = &looked.findings;
+    let errors = count(findings, Severity::Error);
+    let page = arguments.out.as_ref().map(|out| page::write(arguments, out, &looked)).transpose()?;
     if arguments.json {
         // Texts only: nothing can fail.
-        tell!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
+        tell!("{}", serde_json::to_string_pretty(findings).unwrap_or_default());
     } else {
-        for finding in shown(&findings, quiet) {
+        for finding in shown(findings, quiet) {
             tell!("{finding}");
         }
         if !quiet {
-            let (warnings, notes) = (count(&findings, Severity::Warning), count(&findings, Severity::Note));
-            tell!(
-                "{}: {errors} errors, {warnings} warnings, {notes} notes of {} rules",
-                arguments.file.display(),
-                inspection::rules().len()
-            );
+            tell!("{}: {}", arguments.file.display(), summary(&looked));
             if let Some(page) = page {
                 tell!("the report is {}", page.display());
             }
@@ -43,6 +39,22 @@ pub fn check(arguments: &Check, quiet: bool) -> Result<(), Error> {
         0 => Ok(()),
         errors => Err(Error::Faulty { path: arguments.file.clone(), errors }),
     }
+}
+
+/// How much was found by the rules that were looked at, and why the others were not.
+fn summary(looked: &Looked) -> String {
+    let of = |severity, word: &str| counted(count(&looked.findings, severity), word);
+    let (errors, warnings) = (of(Severity::Error, "error"), of(Severity::Warning, "warning"));
+    let (notes, rules) = (of(Severity::Note, "note"), counted(looked.rules().len(), "rule"));
+    let left_out = looked
+        .reasons()
+        .into_iter()
+        .map(|(why, rules)| format!("; {} not looked at, because {why}", counted(rules.len(), "rule")));
+    format!("{errors}, {warnings}, {notes} of {rules}{}", left_out.collect::<String>())
+}
+
+fn counted(count: usize, word: &str) -> String {
+    if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
 }
 
 fn count(findings: &[Finding], severity: Severity) -> usize {

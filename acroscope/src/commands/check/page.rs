@@ -1,9 +1,10 @@
-//! `report.html` of `acroscope check`: what was found, to be narrowed, and which rules found nothing.
+//! `report.html` of `acroscope check`: what was found, to be narrowed, and which rules found nothing, and
+//! which were not looked at.
 
-use super::count;
+use super::{count, counted};
 use crate::cli::Check;
 use crate::error::Error;
-use inspection::{Finding, Severity};
+use inspection::{Finding, Looked, Severity};
 use orchestrator::Fmu;
 use report::head::shell_word;
 use report::{Cell, Figure, Filtered, Marked, Origin, Page, Provenance, Standing, Verdict};
@@ -12,31 +13,51 @@ use runner::provenance;
 use std::path::{Path, PathBuf};
 
 /// Writes the page into a folder, and answers its path.
-pub fn write(arguments: &Check, out: &Path, findings: &[Finding]) -> Result<PathBuf, Error> {
+pub fn write(arguments: &Check, out: &Path, looked: &Looked) -> Result<PathBuf, Error> {
+    let findings = &looked.findings;
     let folder = Folder::make(out)?;
     let name = arguments.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut page = Page::new(format!("Is {name} a sound unit?"));
     let provenance = origin(arguments, &name)?;
-    page.verdict(&verdict(findings)).origin_line(&provenance);
+    page.verdict(&verdict(looked)).origin_line(&provenance);
     if !findings.is_empty() {
         page.heading("What was found").filtered(&found(findings));
     }
-    let silent = silent(findings);
+    let silent = silent(looked);
     page.heading("Rules that found nothing");
     page.text(&format!(
-        "{} of {}. `docs/check.md` has a section for each rule: what it looks at, and what to do about what it finds.",
+        "{} of {} that could be looked at. `docs/check.md` has a section for each rule: what it looks at, and what to do about what it finds.",
         silent.len(),
-        inspection::rules().len()
+        counted(looked.rules().len(), "rule")
     ));
     page.names(silent);
+    left_out(&mut page, looked);
     page.provenance(&provenance);
     folder.write("report.html", &page.to_html())?;
     Ok(folder.file("report.html"))
 }
 
-fn verdict(findings: &[Finding]) -> Verdict {
-    let of = |severity| count(findings, severity);
+/// The rules of which silence says nothing, with the reasons.
+fn left_out(page: &mut Page, looked: &Looked) {
+    if looked.left_out.is_empty() {
+        return;
+    }
+    page.heading("Rules that were not looked at");
+    page.text("What they would find is not known.");
+    for (why, rules) in looked.reasons() {
+        page.text(&format!("{} not looked at, because {why}:", counted(rules.len(), "rule")));
+        page.names(rules);
+    }
+}
+
+fn verdict(looked: &Looked) -> Verdict {
+    let of = |severity| count(&looked.findings, severity);
+    let left_out = looked.left_out.len();
     let (standing, words) = match (of(Severity::Error), of(Severity::Warning)) {
+        (0, 0) if left_out > 0 => (
+            Standing::Plain,
+            format!("Nothing was found, but {} could not be looked at.", counted(left_out, "rule")),
+        ),
         (0, 0) => (Standing::Good, "Nothing speaks against this unit.".to_owned()),
         (0, _) => {
             (Standing::Plain, "No error; some masters may stumble over what the warnings say.".to_owned())
@@ -56,10 +77,11 @@ fn verdict(findings: &[Finding]) -> Verdict {
         figure("warnings", Severity::Warning),
         figure("notes", Severity::Note),
         Figure {
-            label: "rules".to_owned(),
-            value: Some(inspection::rules().len() as f64),
+            label: "rules looked at".to_owned(),
+            value: Some(looked.rules().len() as f64),
             unit: String::new(),
         },
+        Figure { label: "rules not looked at".to_owned(), value: Some(left_out as f64), unit: String::new() },
     ];
     Verdict { standing, words, figures, notes: Vec::new() }
 }
@@ -94,12 +116,10 @@ fn severity(of: Severity) -> Cell {
     }
 }
 
-/// Rules without a finding. A unit that can't be opened is not run, so that silence is no praise there.
-fn silent(findings: &[Finding]) -> Vec<&'static str> {
-    inspection::rules()
-        .into_iter()
-        .filter(|rule| findings.iter().all(|finding| finding.rule != *rule))
-        .collect()
+/// Rules that were looked at and have no finding.
+fn silent(looked: &Looked) -> Vec<&'static str> {
+    let is_silent = |rule: &&str| looked.findings.iter().all(|finding| finding.rule != **rule);
+    looked.rules().into_iter().filter(is_silent).collect()
 }
 
 fn origin(arguments: &Check, name: &str) -> Result<Provenance, Error> {

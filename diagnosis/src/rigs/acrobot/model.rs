@@ -5,7 +5,7 @@ use crate::opened::{model, open, text};
 use crate::rigs::acrobot::bench::Bench;
 use crate::rigs::acrobot::candidates::{Attribute, name, names};
 use crate::rigs::acrobot::correction::wiring::strip;
-use crate::rigs::acrobot::dataset::{DataSet, nominal};
+use crate::rigs::acrobot::dataset::{DataSet, lines, nominal};
 use crate::rigs::acrobot::parameters::{self, MOUNT};
 use orchestrator::scenario::{Given, UnitEntry};
 use orchestrator::{Fmu, Kind, Place, Scenario, Simulation, UnitPath, Value};
@@ -42,9 +42,9 @@ impl Model {
         let left_out = strip(&mut scenario);
         // a value that no unit takes is told now, with its file, and not when the amended scenario is written
         Simulation::new(&scenario, units).map_err(|error| match error {
-            orchestrator::Error::Scenario { place: Place::Override(_), what, expected } => {
-                let manifest = manifest_of(data);
-                Error::Nominal(format!("{}: [set]: {what}: {expected}", manifest.display()))
+            orchestrator::Error::Scenario { place: Place::Override(given), what, expected } => {
+                let name = given.split('=').next().unwrap_or_default().trim();
+                set_error(data, name, format!("{what}: {expected}"))
             }
             other => model(other),
         })?;
@@ -147,7 +147,9 @@ fn manifest_of(data: &DataSet) -> PathBuf {
 
 /// An error of `[set]`.
 fn set_error(data: &DataSet, name: &str, problem: String) -> Error {
-    Error::Set { path: manifest_of(data), name: name.into(), problem }
+    let path = manifest_of(data);
+    let line = lines::line_of(&path, &format!("set.{name}"));
+    Error::Manifest { path, line, problem: format!("[set] {name}: {problem}") }
 }
 
 /// Applies `[set]` of a data set to its scenario.

@@ -8,7 +8,7 @@ use orchestrator::nearest;
 const KINDS: &[&str] = &["dependent", "constant", "fixed", "tunable", "discrete"];
 
 impl Holds {
-    /// What would be right, where a value is not.
+    /// What would be right, in words, where a value is not.
     pub(super) fn wrong(&self, value: &str) -> Option<String> {
         let text = value.trim();
         let unsigned = |text: &str| text.parse::<u32>().is_ok();
@@ -21,14 +21,15 @@ impl Holds {
             Self::DateTime => (is_date_and_time(text), "a date and time such as 2026-11-24T12:00:00Z"),
             Self::Unsigneds => (text.split_whitespace().all(unsigned), "indices, parted by spaces"),
             Self::OneOf(names) => {
-                return (!names.contains(&text)).then(|| nearest(text, names.iter().copied()));
+                let hint = || format!("there is no such value; {}", nearest(text, names.iter().copied()));
+                return (!names.contains(&text)).then(hint);
             }
             Self::Kinds => {
                 let wrong = text.split_whitespace().find(|word| !KINDS.contains(word))?;
-                return Some(format!("one of {} ({wrong} is none)", KINDS.join(", ")));
+                return Some(format!("wanted is one of {} ({wrong} is none)", KINDS.join(", ")));
             }
         };
-        (!right).then(|| expected.to_owned())
+        (!right).then(|| format!("wanted is {expected}"))
     }
 }
 

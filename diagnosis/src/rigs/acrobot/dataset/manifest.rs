@@ -1,5 +1,6 @@
 //! `dataset.toml`: which nominal model, what is known of the noise, how the logs count, which runs.
 
+use super::lines;
 use super::stated_log::Stated;
 use crate::error::Error;
 use crate::rigs::acrobot::channels::CHANNELS;
@@ -8,7 +9,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
 
-/// What the file may hold at its top. In a `[[run]]` any other key beside `dir` is a note for people: `dir` mistyped is missed.
+/// What a `[[run]]` may hold. Those behind `dir` are notes for people.
+const RUN_KEYS: [&str; 3] = ["dir", "description", "excitation"];
+
+/// What the file may hold at its top.
 const KEYS: [&str; 6] = ["format", "scenario", "set", "noise", "log", "run"];
 
 /// The head of a data set.
@@ -39,24 +43,16 @@ impl Manifest {
             let at = error.span().map_or(0, |span| span.start);
             file.wrong(text[..at.min(text.len())].lines().count().max(1), error.message().to_string())
         })?;
-        match root.get("format").and_then(Value::as_integer) {
-            Some(1) => {}
-            Some(other) => {
-                let problem = format!(
-                    "format = {other}: known are 1 (our own rig) and 2 (any unit, or a scenario with [[channel]]s)"
-                );
-                return Err(file.wrong(file.line_of("format"), problem));
-            }
-            None => {
-                let general = ["fmu", "channel", "state", "candidate", "ports"];
-                let format = if general.iter().any(|key| root.contains_key(*key)) { 2 } else { 1 };
-                return Err(file.wrong(1, format!("`format = {format}` is missing")));
-            }
-        }
+        file.format(&root)?;
         if let Some(key) = root.keys().find(|key| !KEYS.contains(&key.as_str())) {
             let problem =
                 format!("`{key}` is nothing that a data set has; {}", nearest(key, KEYS.into_iter()));
             return Err(file.wrong(file.line_of(key), problem));
+        }
+        if let Some((line, key)) = lines::strange_key(&text, &RUN_KEYS) {
+            let problem =
+                format!("`{key}` is nothing that a [[run]] has; {}", nearest(&key, RUN_KEYS.into_iter()));
+            return Err(file.wrong(line, problem));
         }
         let scenario = match root.get("scenario") {
             Some(Value::String(name)) => name.clone(),
@@ -93,6 +89,23 @@ impl File<'_> {
     fn line_of(&self, key: &str) -> usize {
         let opens = |line: &str| line.trim_start().trim_start_matches(['[', '"', '\'']).starts_with(key);
         self.text.lines().position(opens).map_or(1, |place| place + 1)
+    }
+
+    /// Refuses any other format than ours.
+    fn format(&self, root: &toml::Table) -> Result<(), Error> {
+        let problem = match root.get("format") {
+            Some(Value::Integer(1)) => return Ok(()),
+            Some(Value::Integer(other)) => format!(
+                "format = {other}: known are 1 (our own rig) and 2 (any unit, or a scenario with [[channel]]s)"
+            ),
+            Some(other) => format!("format = {other}: a whole number is wanted, without quotes: 1 or 2"),
+            None => {
+                let general = ["fmu", "channel", "state", "candidate", "ports"];
+                let format = if general.iter().any(|key| root.contains_key(*key)) { 2 } else { 1 };
+                return Err(self.wrong(1, format!("`format = {format}` is missing")));
+            }
+        };
+        Err(self.wrong(self.line_of("format"), problem))
     }
 
     /// The line with some words.

@@ -8,6 +8,7 @@ mod check;
 mod clock_ticks;
 mod images;
 mod impossible_cells;
+pub(crate) mod lines;
 mod lost_rows;
 mod manifest;
 pub mod nominal;
@@ -223,6 +224,7 @@ impl Reading {
             if manifest.stated.gaps_known == Some(false) {
                 run.tear();
             }
+            let nothing_to_compare = run.camera.is_none() && run.plant.is_none();
             let none = images::sees_nothing(&run);
             let commanded = run.controller.is_some();
             let moved = check::put_aside(&mut run, nominal.falling, &mut notices);
@@ -232,6 +234,9 @@ impl Reading {
             }
             if run.camera.is_none() {
                 blind.extend(none.map(|times| (run.name.clone(), times)));
+            }
+            if nothing_to_compare {
+                notices.push(empty(&path, &run.name));
             }
             clocks_apart |= moved == Some(Moved::Angles);
             pictures_apart |= moved == Some(Moved::Pictures);
@@ -245,6 +250,19 @@ impl Reading {
         let late_by_hand = 0.0;
         Ok(DataSet { path, manifest, runs, notices, clocks_apart, late_by_hand, pictures_apart, blind })
     }
+}
+
+/// What is told of a run without anything measured.
+fn empty(path: &Path, run: &str) -> Notice {
+    let entries = std::fs::read_dir(path.join(run)).into_iter().flatten().flatten();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    let held = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
+    let message = format!(
+        "excluded: neither camera.csv nor plant.csv with rows to compare lies in the folder, which holds {held}"
+    );
+    Notice { file: run.to_owned(), line: 0, message }
 }
 
 impl DataSet {

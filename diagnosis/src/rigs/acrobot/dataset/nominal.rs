@@ -1,8 +1,8 @@
 //! What the nominal model says of sizes before any FMU runs: how large an image is, how fast an arm falls. Values are those of
 //! `[set]`, else those of the scenario, else the start values of our FMUs, which are the paper's.
 
-use super::Manifest;
 use super::manifest::number;
+use super::{Manifest, lines};
 use crate::error::Error;
 use crate::opened::model;
 use crate::rigs::acrobot::candidates::{Attribute, name};
@@ -82,10 +82,11 @@ pub fn scenario(folder: &Path, name: &str) -> Result<Scenario, Error> {
     if beside.is_file() {
         return Scenario::load(beside).map_err(model);
     }
+    let path = folder.join("dataset.toml");
     scenarios::load(name).map_err(|error| Error::Manifest {
-        path: folder.join("dataset.toml"),
-        line: 1,
+        line: lines::line_of(&path, "scenario"),
         problem: error.to_string(),
+        path,
     })
 }
 

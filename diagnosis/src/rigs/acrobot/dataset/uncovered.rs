@@ -8,6 +8,10 @@ use crate::statistics::levels::SMALL;
 /// Says so where it is more than a tenth of the run.
 pub fn tell(run: &Run, notices: &mut Vec<Notice>) {
     let ((from, to), (first, last)) = (run.span(), run.driven());
+    // a run without rows of anything else is told as such
+    if run.camera.is_none() && run.plant.is_none() {
+        return;
+    }
     let without = (first - from).max(0.0) + (to - last).max(0.0);
     if without.is_infinite() || without <= SMALL * (to - from) {
         return;
@@ -46,6 +50,16 @@ mod tests {
         let late = told((150, 1000), (0, 1000));
         assert!(late[0].message.contains("from 1.50 s to 10.0"), "{}", late[0].message);
         assert!(told((0, 800), (0, 1000)).len() == 1 && told((0, 950), (50, 1060)).len() == 1);
+    }
+
+    #[test]
+    fn bad_data_a_run_without_any_row_has_no_torque_that_is_missing() {
+        let mut notices = Vec::new();
+        let mut run = Run { name: "run-01".into(), camera: None, controller: None, plant: None };
+        tell(&run, &mut notices);
+        run.controller = Some(Table::new(vec![0.0, 1.0], vec![("tau".into(), vec![0.1; 2])]));
+        tell(&run, &mut notices);
+        assert_eq!(notices, []);
     }
 
     #[test]

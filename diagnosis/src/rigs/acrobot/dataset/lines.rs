@@ -1,0 +1,64 @@
+//! Where the keys of a `dataset.toml` stand, for errors that are found after the file was read.
+
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+
+/// Line of a key, by the names of its tables and its own, joined by dots as `[set]` joins them: `set.plant.q1_0`. Of what isn't
+/// there the line of its table, or the first.
+pub(crate) fn line_of(path: &Path, name: &str) -> usize {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    line_in(&text, name)
+}
+
+fn line_in(text: &str, name: &str) -> usize {
+    let Ok(root) = DeTable::parse(text) else { return 1 };
+    let at = place(root.get_ref(), name).unwrap_or(0);
+    line(text, at)
+}
+
+/// Where a key begins, or the table that holds it.
+fn place(table: &DeTable<'_>, name: &str) -> Option<usize> {
+    table.iter().find_map(|(key, value)| {
+        let rest = name.strip_prefix(key.get_ref().as_ref())?;
+        match (rest.strip_prefix('.'), value.get_ref()) {
+            (None, _) => rest.is_empty().then(|| key.span().start),
+            (Some(rest), DeValue::Table(inner)) => place(inner, rest).or(Some(key.span().start)),
+            (Some(_), _) => None,
+        }
+    })
+}
+
+/// The first key of a `[[run]]` that is none of some: its line, and the key.
+pub(super) fn strange_key(text: &str, known: &[&str]) -> Option<(usize, String)> {
+    let root = DeTable::parse(text).ok()?;
+    let runs = root.get_ref().get("run")?.get_ref().as_array()?;
+    let keys = runs.iter().filter_map(|run| run.get_ref().as_table()).flat_map(|run| run.iter());
+    let strange = keys.map(|(key, _)| key).filter(|key| !known.contains(&key.get_ref().as_ref()));
+    let first = strange.min_by_key(|key| key.span().start)?;
+    Some((line(text, first.span().start), first.get_ref().to_string()))
+}
+
+fn line(text: &str, at: usize) -> usize {
+    1 + text.as_bytes()[..at.min(text.len())].iter().filter(|byte| **byte == b'\n').count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{line_in, strange_key};
+
+    #[test]
+    fn value_every_way_to_write_a_name_has_its_line() {
+        let text =
+            "format = 1\nscenario = \"a\"\n[set]\n\"plant.q1\" = 1\nplant.q2 = 2\n[set.camera]\nk1 = 3\n";
+        let lines =
+            ["scenario", "set.plant.q1", "set.plant.q2", "set.camera.k1", "set.controller.c", "nothing"];
+        assert_eq!(lines.map(|name| line_in(text, name)), [2, 4, 5, 7, 3, 1]);
+    }
+
+    #[test]
+    fn value_the_first_key_of_a_run_that_is_none() {
+        let text = "format = 1\n[[run]]\ndir = \"a\"\n[[run]]\ndir = \"b\"\nstrat = 3\n";
+        assert_eq!(strange_key(text, &["dir"]), Some((6, "strat".to_owned())));
+        assert_eq!(strange_key(text, &["dir", "strat"]), None);
+    }
+}

@@ -264,6 +264,17 @@ def test_an_import_that_fails_leaves_nothing(motor, tmp_path):
     assert sorted(path.name for path in (tmp_path / "set").iterdir()) == ["dataset.toml", "motor.fmu", "run-01.csv"]
 
 
+@pytest.mark.parametrize(("file", "name"), [("My Model v1.2 (1).fmu", "My_Model_v1_2_(1)"), ("a=b.fmu", "a_b"), ("A.B.motor.fmu", "A_B_motor")])
+def test_a_unit_whose_file_is_called_as_no_instance_can_be(motor, tmp_path, file, name):
+    heads = {"u": ("u", 1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
+    unit = motor.rename(tmp_path / file)
+    run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", unit, "--out", tmp_path / "set")
+    found, head = channels(tmp_path / "set")
+    assert head["fmu"] == file and set(found) == {f"{name}.{one}" for one in heads}
+    if file == "a=b.fmu":
+        run("diagnose", tmp_path / "set", "--out", tmp_path / "out")
+
+
 def test_signs_units_and_time(motor, tmp_path):
     heads = {"u": ("Motor u [mV]", 1e-3, 0), "i": ("i_mA", 1e-3, 0), "w": ("w", 2 * np.pi / 60, 0), "phi": ("phi (deg)", -np.pi / 180, 0)}
     file = log(tmp_path / "a.csv", ALL["motor"], heads, ";", ("t [ms]", 1e-3), {"b": 0.02}, gap=True)

@@ -208,5 +208,5 @@ struct Time {
 
 /// Name of the instance in the data set.
 fn instance(fmu: &Fmu) -> String {
-    fmu.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    orchestrator::scenario::name_of_file(fmu.path())
 }

@@ -260,6 +260,17 @@ def test_an_import_that_fails_leaves_nothing(motor, tmp_path):
     file.write_text("\n".join([lines[0], *(",".join(["1.0", *line.split(",")[1:]]) for line in lines[1:])]) + "\n")
     run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
     assert not (tmp_path / "set").exists()
+    # what only the whole data set shows: a unit that nobody knows, a clock that begins again; both are told of the user's own log
+    file = log(tmp_path / "a.csv", ALL["motor"], heads | {"w": ("w [furlong]", 1, 0)})
+    said = run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert f'{file}:1: column "w [furlong]": unit = "furlong"' in said and not (tmp_path / "set").exists(), said
+    head, *rows = log(file, ALL["motor"], heads).read_text().splitlines()
+    again = [f"{float(row.split(',')[0]) - float(rows[150].split(',')[0])},{row.split(',', 1)[1]}" for row in rows[150:]]
+    file.write_text("\n".join(["# rig 7", head, *rows[:150], *again]) + "\n")
+    said = run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert f'{file}:153: column "time": the clock begins again here' in said and "split the log" in said, said
+    assert not (tmp_path / "set").exists()
+    # the same command with the log mended
     run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "set")
     assert sorted(path.name for path in (tmp_path / "set").iterdir()) == ["dataset.toml", "motor.fmu", "run-01.csv"]
 

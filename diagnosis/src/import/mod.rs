@@ -3,6 +3,7 @@
 //!
 //! - `text.rs`: a log's encoding, comments and separators
 //! - `sheet.rs`: its columns, with names, units and numbers
+//! - `heads.rs`: a column's name and unit
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
@@ -11,12 +12,15 @@
 //! - `straight_line.rs`: the straight line between measured and simulated
 //! - `idle_parameters.rs`: parameters that change nothing
 //! - `write.rs`: the folder
+//! - `settle.rs`: where it is written once it reads
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod draft;
+mod heads;
 mod idle_parameters;
 mod matching;
 mod policy;
+mod settle;
 mod sheet;
 mod starts;
 mod straight_line;
@@ -26,7 +30,7 @@ mod unshown;
 mod write;
 
 use crate::error::Error;
-use crate::observe::{self, Affine};
+use crate::observe::Affine;
 use orchestrator::{Fmu, Isolation, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
@@ -141,10 +145,8 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
         tried: Some(&tried),
         ..write::Found::new(&sheets, &known, &told, &matches, &candidates)
     };
-    let guesses = write::folder(out, fmu, &unit, &found)?;
-    // what was written must read
-    let problem = observe::load(out, units, isolation)?;
-    notices.extend(problem.notices.iter().map(ToString::to_string));
+    let (guesses, noted) = settle::settle(asked, out, &unit, &found)?;
+    notices.extend(noted);
     Ok(Imported { guesses, notices })
 }
 

@@ -1,6 +1,7 @@
 //! A log as loggers and spreadsheets write it: decimal commas; units in the header or in a line of their own; columns of words.
 
 use super::Time;
+use super::heads::{Header, header};
 use super::policy::IMPORT;
 use super::text::{Separator, Text};
 use crate::error::Error;
@@ -21,21 +22,12 @@ pub(super) struct Sheet {
     pub(super) columns: Vec<Header>,
     /// A cell that holds no number is `NaN`.
     pub(super) rows: Vec<Vec<f64>>,
+    /// The line of the names, and that of each row.
+    pub(super) lines: (usize, Vec<usize>),
     /// How it was written, where not as plain CSV.
     pub(super) dialect: Option<String>,
     /// Columns that hold words, told.
     pub(super) left_out: Vec<String>,
-}
-
-/// The head of a column.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Header {
-    /// As written.
-    pub(super) text: String,
-    /// Without the unit.
-    pub(super) name: String,
-    /// Unit of measurement in brackets, after an underscore, or in the line below.
-    pub(super) unit: Option<String>,
 }
 
 /// How many cells of a column are numbers and words, and the first word with its line.
@@ -75,15 +67,6 @@ fn nameless(record: &csv::StringRecord, names: usize, comma: bool) -> Option<Str
     Some(format!("{} cells below {names} names: {cell} stands below none", record.len()))
 }
 
-impl Header {
-    /// Takes the unit of measurement from the cell below the name, if it holds one.
-    fn measured_in(&mut self, cell: &str) {
-        if !cell.is_empty() {
-            self.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned());
-        }
-    }
-}
-
 impl Sheet {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
@@ -99,7 +82,7 @@ impl Sheet {
         let headers =
             reader.headers().map_err(|error| wrong(above + 1, format!("not CSV: {error}")))?.clone();
         let mut columns: Vec<Header> = headers.iter().map(header).collect();
-        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let (mut rows, mut lines): (Vec<Vec<f64>>, Vec<usize>) = (Vec::new(), Vec::new());
         let mut decimal = false;
         let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
         for record in reader.records() {
@@ -119,8 +102,11 @@ impl Sheet {
                 .collect();
             row.resize(columns.len(), f64::NAN);
             rows.push(row);
+            lines.push(line);
         }
-        let mut sheet = Self { path: path.to_owned(), columns, rows, dialect: None, left_out: Vec::new() };
+        let lines = (above + 1, lines);
+        let (dialect, left_out) = (None, Vec::new());
+        let mut sheet = Self { path: path.to_owned(), columns, rows, lines, dialect, left_out };
         sheet.without_words(&kinds)?;
         if sheet.rows.len() < 3 {
             return Err(wrong(above + 1, format!("{} rows: too few to compare", sheet.rows.len())));
@@ -168,6 +154,12 @@ impl Sheet {
     /// The heads as written.
     pub(super) fn names(&self) -> Vec<&str> {
         self.columns.iter().map(|column| column.text.as_str()).collect()
+    }
+
+    /// The line here of a line of the plain CSV that this is written as.
+    pub(super) fn line_of(&self, plain: usize) -> usize {
+        let row = plain.checked_sub(2).and_then(|row| self.lines.1.get(row));
+        row.copied().unwrap_or(self.lines.0)
     }
 
     /// Place of a column by its head.
@@ -273,34 +265,6 @@ impl Sheet {
     }
 }
 
-/// `T [degC]`, `T (degC)`, `T_degC`, `tau_Nm`, `T`.
-fn header(text: &str) -> Header {
-    let whole = |name: &str, unit: Option<&str>| Header {
-        text: text.to_owned(),
-        name: name.trim().to_owned(),
-        unit: unit.map(|unit| unit.trim().to_owned()),
-    };
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        if let Some((name, rest)) = text.split_once(open)
-            && let Some(unit) = rest.trim().strip_suffix(close)
-        {
-            return whole(name, Some(unit));
-        }
-    }
-    for separator in [" in ", "/", "_"] {
-        if let Some((name, unit)) = text.rsplit_once(separator)
-            && name.len() > 1 - usize::from(separator == "_")
-            // a letter or two after an underscore is more often an index than a metre
-            && (separator != "_" || unit.chars().count() > 1 || "VAKNWs".contains(unit))
-            && measure::named(unit).is_some()
-            && unit.parse::<f64>().is_err()
-        {
-            return whole(name, Some(unit));
-        }
-    }
-    whole(text, None)
-}
-
 /// A number, with a decimal comma where commas don't separate cells.
 pub(super) fn number(cell: &str, comma: bool) -> Option<f64> {
     match cell {
@@ -318,28 +282,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn value_heads_with_units() {
-        for (text, name, unit) in [
-            ("T [degC]", "T", Some("degC")),
-            ("speed (rpm)", "speed", Some("rpm")),
-            ("tau_Nm", "tau", Some("Nm")),
-            ("motor current in mA", "motor current", Some("mA")),
-            ("u_V", "u", Some("V")),
-            ("theta_1", "theta_1", None),
-            ("x_m", "x_m", None),
-            ("T_out", "T_out", None),
-            ("phi", "phi", None),
-        ] {
-            let head = header(text);
-            assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");
-        }
-    }
-
-    #[test]
     fn value_heads_that_are_names_of_variables() {
         let columns = ["M_A", "v[2]", "u_V", "x [mm]"].map(header).to_vec();
-        let mut sheet =
-            Sheet { path: "log.csv".into(), columns, rows: Vec::new(), dialect: None, left_out: Vec::new() };
+        let mut sheet = Sheet {
+            path: "log.csv".into(),
+            columns,
+            rows: vec![],
+            lines: (1, vec![]),
+            dialect: None,
+            left_out: vec![],
+        };
         sheet.with_names(&|text| ["M_A", "v[2]"].contains(&text));
         let heads: Vec<_> =
             sheet.columns.iter().map(|head| (head.name.as_str(), head.unit.as_deref())).collect();

@@ -154,18 +154,33 @@ impl Log {
         }
         if let Some((line, count)) = late {
             if count >= DISORDER.1 && count as f64 > DISORDER.0 * self.rows.len() as f64 {
-                let problem = format!(
-                    "column {:?} is no time: {count} of {} rows are not later than the row before, this is the first",
-                    self.columns[place],
-                    self.rows.len()
-                );
-                return Err(self.wrong(line, problem));
+                return Err(self.wrong(line, self.disorder(place, count)?));
             }
             let message =
                 format!("not later than the row before; left out ({count} such rows, this is the first)");
             notices.push(Notice { file: label.to_owned(), line, message });
         }
         Ok(Times { rows })
+    }
+
+    /// What is wrong with a column of time of which so many rows are not later than one before: a clock that began again goes on from there.
+    fn disorder(&self, place: usize, count: usize) -> Result<String, Error> {
+        let column = &self.columns[place];
+        let times: Vec<f64> = (0..self.rows.len())
+            .filter_map(|row| self.number(row, place).transpose())
+            .collect::<Result<_, _>>()?;
+        let mut back = times.windows(2).filter(|pair| pair[1] <= pair[0]);
+        if let Some([from, to]) = back.next()
+            && back.count() as f64 + 1.0 <= DISORDER.0 * count as f64
+        {
+            return Ok(format!(
+                "column {column:?}: the clock begins again here, from {from} to {to}: split the log before this line, into one file a run"
+            ));
+        }
+        let all = self.rows.len();
+        Ok(format!(
+            "column {column:?} is no time: {count} of {all} rows are not later than the row before, this is the first"
+        ))
     }
 
     /// The numbers of a column, with their times.

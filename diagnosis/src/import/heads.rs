@@ -22,7 +22,7 @@ impl Header {
     }
 }
 
-/// `T [degC]`, `T (degC)`, `T_degC`, `tau_Nm`, `T`.
+/// `T [degC]`, `T (degC)`, `T / degC`, `T in degC`, `T_degC`, `tau_Nm`, `T`.
 pub(super) fn header(text: &str) -> Header {
     let whole = |name: &str, unit: Option<&str>| Header {
         text: text.to_owned(),
@@ -33,16 +33,25 @@ pub(super) fn header(text: &str) -> Header {
         if let Some((name, rest)) = text.split_once(open)
             && let Some(unit) = rest.trim().strip_suffix(close)
         {
+            // `v / (m/s)`
+            return whole(name.trim().trim_end_matches('/'), Some(unit));
+        }
+    }
+    let known = |unit: &str| measure::named(unit).is_some() && unit.trim().parse::<f64>().is_err();
+    for separator in [" in ", " / "] {
+        if let Some((name, unit)) = text.split_once(separator)
+            && known(unit)
+        {
             return whole(name, Some(unit));
         }
     }
-    for separator in [" in ", "/", "_"] {
+    for separator in ["/", "_"] {
         if let Some((name, unit)) = text.rsplit_once(separator)
             && name.len() > 1 - usize::from(separator == "_")
-            // a letter or two after an underscore is more often an index than a metre
+            // a letter or two after an underscore is more often an index than a metre, and `in` is more often where something flows in
             && (separator != "_" || unit.chars().count() > 1 || "VAKNWs".contains(unit))
-            && measure::named(unit).is_some()
-            && unit.parse::<f64>().is_err()
+            && unit != "in"
+            && known(unit)
         {
             return whole(name, Some(unit));
         }
@@ -66,9 +75,22 @@ mod tests {
             ("x_m", "x_m", None),
             ("T_out", "T_out", None),
             ("phi", "phi", None),
+            // a letter is a name, and what divides may stand in the unit
+            ("v / m/s", "v", Some("m/s")),
+            ("v / (m/s)", "v", Some("m/s")),
+            ("v in m/s", "v", Some("m/s")),
+            ("x in mm", "x", Some("mm")),
+            ("x / mm", "x", Some("mm")),
+            ("x [in]", "x", Some("in")),
+            ("x / in", "x", Some("in")),
+            ("Supply/V", "Supply", Some("V")),
+            ("m/s", "m/s", None),
+            ("T_in", "T_in", None),
+            ("flow in", "flow in", None),
         ] {
             let head = header(text);
             assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");
         }
+        assert_eq!(measure::named("in"), measure::named("inch"));
     }
 }

@@ -2,6 +2,10 @@
 //! measurement, and tried against the model; every guess is written beside its evidence.
 //!
 //! - `text.rs`: a log's encoding, comments and separators
+//! - `table.rs`: where its table begins and ends
+//! - `cells.rs`: numbers and words for what is missing
+//! - `stamps.rs`: dates and times of day
+//! - `times.rs`: which column is the time
 //! - `sheet.rs`: its columns, with names, units and numbers
 //! - `heads.rs`: a column's name and unit
 //! - `matching.rs`: which column is which variable
@@ -15,6 +19,7 @@
 //! - `settle.rs`: where it is written once it reads
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod cells;
 mod draft;
 mod heads;
 mod idle_parameters;
@@ -22,9 +27,12 @@ mod matching;
 mod policy;
 mod settle;
 mod sheet;
+mod stamps;
 mod starts;
 mod straight_line;
+mod table;
 mod text;
+mod times;
 mod trial;
 mod unshown;
 mod write;

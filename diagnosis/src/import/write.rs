@@ -79,7 +79,7 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
         put(&name, plain(sheet))?;
         let _ = write!(text, "\n[[run]]                                  # {}\n", sheet.path.display());
         let _ = writeln!(text, "# guess: {told}");
-        guesses.extend(sheet.left_out.iter().map(|told| format!("{}: {told}", sheet.path.display())));
+        guesses.extend(sheet.told.iter().map(|told| format!("{}: {told}", sheet.path.display())));
         if let Some(dialect) = &sheet.dialect {
             let _ = writeln!(text, "# {dialect}");
             guesses.push(format!("{}: {dialect}", sheet.path.display()));

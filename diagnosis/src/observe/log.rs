@@ -196,18 +196,23 @@ impl Log {
     }
 }
 
-/// What to write in place of a date or a time of day, if a cell holds one: `2026-11-24T10:00:00Z`, `24.11.2026 10:00`, `10:00:00.5`.
-pub(crate) fn if_date(cell: &str) -> &'static str {
-    let is_part = |byte: u8| byte.is_ascii_digit() || b"-/:. +,TZ".contains(&byte);
-    let groups = cell.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty());
-    if cell.starts_with(|first: char| first.is_ascii_digit())
-        && cell.bytes().all(is_part)
-        && groups.count() > 2
-    {
-        "; of dates and times of day nothing is read: write the time in seconds, such as those since the first row"
+/// What to do about a date or a time of day, if a cell holds one.
+fn if_date(cell: &str) -> &'static str {
+    if is_date(cell) {
+        "; dates and times of day are read by `acroscope import`; here the time stands in seconds, such as those since the first row"
     } else {
         ""
     }
+}
+
+/// Whether a cell has the shape of a date or a time of day: `2026-11-24T10:00:00Z`, `24.11.2026 10:00 PM`, `10:00:00.5`, `10:00`.
+pub(crate) fn is_date(cell: &str) -> bool {
+    let is_part = |byte: u8| byte.is_ascii_digit() || b"-/:. +,TZAPM".contains(&byte.to_ascii_uppercase());
+    let groups =
+        cell.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty()).count();
+    cell.starts_with(|first: char| first.is_ascii_digit())
+        && cell.bytes().all(is_part)
+        && (groups > 2 || groups == 2 && cell.contains(':'))
 }
 
 /// The usual cause of too many cells.
@@ -235,7 +240,7 @@ mod tests {
         ] {
             assert!(if_date(cell).contains("in seconds"), "{cell}");
         }
-        for cell in ["-1.5-", "0,5", "1.2", "12:30", "off", "v1.2.3", "1e-3"] {
+        for cell in ["-1.5-", "0,5", "1.2", "off", "v1.2.3", "1e-3"] {
             assert_eq!(if_date(cell), "", "{cell}");
         }
     }

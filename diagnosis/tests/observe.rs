@@ -293,8 +293,8 @@ fn every_fault_of_a_log_is_told_with_its_line() {
         ("time,motor,q1,arm\n0,1,2,3\n1,x,1,2\n", "a.csv:3: column \"motor\": \"x\""),
         (
             "time,motor,q1,arm\n0,1,2,3\n2026-11-24T10:00:00Z,1,1,2\n",
-            "a.csv:3: column \"time\": \"2026-11-24T10:00:00Z\" is not a finite number; of dates and times of day nothing is read: write the time \
-             in seconds",
+            "a.csv:3: column \"time\": \"2026-11-24T10:00:00Z\" is not a finite number; dates and times of day are read by \
+             `acroscope import`",
         ),
         ("time,motor,q1,arm\n0,1,2,3\n,1,1,2\n", "a.csv:3: column \"time\": a row without a time"),
         (

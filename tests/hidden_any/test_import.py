@@ -1,6 +1,7 @@
 """`acroscope import` finds columns, units, signs and time as they were written, and the tutorial's commands work."""
 
 import dataclasses
+import datetime
 import os
 import re
 import subprocess
@@ -71,14 +72,71 @@ def test_a_column_of_words_is_left_out_and_told(tmp_path, motor):
     said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
     assert 'column "mode" holds words' in said, said
     assert set(channels(tmp_path / "set")[0]) == {"motor.u", "motor.i", "motor.w"}
-    # dates in words are no time: nothing else passes for it
-    dates = [f"2026-11-26 10:{place // 60:02}:{place % 60:02},{row.split(',', 1)[1]}" for place, row in enumerate(rows)]
-    for name, wanted in (("time", "is no number"), ("date", 'column "date" holds words (line 2: "2026-11-26 10:00:00")')):
-        (tmp_path / "dates.csv").write_text("\n".join([head.replace("time", name, 1), *dates]) + "\n")
-        assert wanted in run("import", tmp_path / "dates.csv", "--fmu", motor, "--out", tmp_path / "other", status=2)
+    # what is neither a number nor a date is no time: nothing else passes for it
+    words = [f"shift {place},{row.split(',', 1)[1]}" for place, row in enumerate(rows)]
+    (tmp_path / "words.csv").write_text("\n".join([head, *words]) + "\n")
+    assert 'words.csv:2: column "time": "shift 0" is no number; dates and times are read as' in run(
+        "import", tmp_path / "words.csv", "--fmu", motor, "--out", tmp_path / "other", status=2)  # fmt: skip
     # a word among numbers stays an error
-    path.write_text(path.read_text().replace(rows[5].split(",")[1], "n/a", 1))
-    assert "is no number" in run("import", path, "--fmu", motor, "--out", tmp_path / "other", status=2)
+    path.write_text(path.read_text().replace(rows[5].split(",")[1], "over", 1))
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "other", status=2)
+    assert '"over" is no number; where nothing was measured the cell is empty, NaN or N/A' in said, said
+
+
+def seconds(folder, column):
+    head, *rows = [line.split(",") for line in (folder / "run-01.csv").read_text().splitlines()]
+    return [float(row[head.index(column)]) for row in rows]
+
+
+@pytest.mark.parametrize(("head", "format", "start"), [
+    ("timestamp", "%Y-%m-%dT%H:%M:%S.%f", "2026-03-28 23:59:59"), ("Date Time", "%d.%m.%Y %H:%M:%S.%f", "2026-03-28 23:59:59"),
+    ("when", "%m/%d/%Y %I:%M:%S.%f %p", "2026-03-28 11:59:59"), ("Time", "%H:%M:%S.%f", "2026-03-28 23:59:59"),
+    ("time", "%Y-%m-%d %H:%M:%S.%f+01:00", "2026-03-28 23:59:59"), ("Date,Time", "%m/%d/%Y,%H:%M:%S.%f", "2026-03-28 23:59:59"),
+])  # fmt: skip
+def test_dates_and_times_of_day_are_a_clock(tmp_path, motor, head, format, start):
+    """As loggers stamp rows, through midnight and noon: the data set has seconds since the first row, and is diagnosed."""
+    columns = {"u": ("u (V)", 1.0, 0.0), "i": ("i (A)", 1.0, 0.0), "w": ("w (rad/s)", 1.0, 0.0), "phi": ("phi (rad)", 1.0, 0.0)}
+    path = log(tmp_path / "log.csv", ALL["motor"], columns)
+    names, *rows = path.read_text().splitlines()
+    times = [float(row.split(",")[0]) for row in rows]
+    begin = datetime.datetime.fromisoformat(start)
+    stamps = [(begin + datetime.timedelta(seconds=time)).strftime(format) for time in times]
+    path.write_text("\n".join([names.replace("time", head, 1), *(f"{stamp},{row.split(',', 1)[1]}" for stamp, row in zip(stamps, rows, strict=True))]) + "\n")
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    column = head.rsplit(",", maxsplit=1)[-1]
+    assert np.allclose(seconds(tmp_path / "set", column), times, atol=1e-6), said
+    assert ("midnight passes before line" in said) == (head == "Time"), said
+    if head in ("timestamp", "Time"):
+        run("diagnose", tmp_path / "set", "--out", tmp_path / "out")
+
+
+def test_a_table_amid_what_a_device_writes(tmp_path, motor):
+    """Lines above and below the table, words for what is missing, thousands that are marked: read, and told."""
+    columns = {"u": ("u / V", 1.0, 0.0), "i": ("i in uA", 1e-6, 0.0), "w": ("w / (rad/s)", 1.0, 0.0), "phi": ("phi", 1.0, 0.0)}
+    path = log(tmp_path / "log.csv", ALL["motor"], columns)
+    head, *rows = [line.split(",") for line in path.read_text().splitlines()]
+    for place, row in enumerate(rows):
+        row[2] = f'"{float(row[2]):,.1f}"'
+        row[3] = ["N/A", "---", "null", "Inf"][place // 40 % 4] if place % 40 == 7 else row[3]
+    above = ["Device: DAQ-7; serial 12", 'Operator,"Smith, J."', "Rate,100,Hz", ""]
+    path.write_text("\n".join([*above, *(",".join(row) for row in [head, *rows]), "Mean,1,2,3,4", "End of file"]) + "\n")
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    found, _ = channels(tmp_path / "set")
+    assert (found["motor.i"]["unit"], found["motor.w"]["unit"], found["motor.u"]["unit"]) == ("uA", "rad/s", "V"), said
+    for told in ("lines 1 to 4 stand above the table", 'line 306 on ("Mean,1,2,3,4")', 'cells hold no measurement, the first "N/A" in line 13',
+                 "thousands are marked in its numbers"):  # fmt: skip
+        assert told in said, said
+    assert np.allclose(seconds(tmp_path / "set", "i in uA"), [float(row[2].strip('"').replace(",", "")) for row in rows])
+
+
+def test_a_column_that_counts_rows_is_no_clock(tmp_path, motor):
+    path = log(tmp_path / "log.csv", ALL["motor"], {"u": ("u", 1.0, 0.0), "i": ("i", 1.0, 0.0), "w": ("w", 1.0, 0.0)})
+    head, *rows = path.read_text().splitlines()
+    rows = [f"{place},{row.split(',', 1)[1]}" for place, row in enumerate(rows)]
+    path.write_text("\n".join([head.replace("time", "index", 1), *rows]) + "\n")
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert 'column "index" counts rows and is no clock' in said and "--rate HZ" in said and not (tmp_path / "set").exists(), said
+    run("import", path, "--fmu", motor, "--rate", 100, "--out", tmp_path / "set")
 
 
 def test_starts_by_trial_and_what_changes_nothing(tmp_path):
@@ -260,8 +318,30 @@ def test_an_import_that_fails_leaves_nothing(motor, tmp_path):
     file.write_text("\n".join([lines[0], *(",".join(["1.0", *line.split(",")[1:]]) for line in lines[1:])]) + "\n")
     run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
     assert not (tmp_path / "set").exists()
+    # what only the whole data set shows: a unit that nobody knows, a clock that begins again; both are told of the user's own log
+    file = log(tmp_path / "a.csv", ALL["motor"], heads | {"w": ("w [furlong]", 1, 0)})
+    said = run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert f'{file}:1: column "w [furlong]": unit = "furlong"' in said and not (tmp_path / "set").exists(), said
+    head, *rows = log(file, ALL["motor"], heads).read_text().splitlines()
+    again = [f"{float(row.split(',')[0]) - float(rows[150].split(',')[0])},{row.split(',', 1)[1]}" for row in rows[150:]]
+    file.write_text("\n".join(["# rig 7", head, *rows[:150], *again]) + "\n")
+    said = run("import", file, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert f'{file}:153: column "time": the clock begins again here' in said and "split the log" in said, said
+    assert not (tmp_path / "set").exists()
+    # the same command with the log mended
     run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", motor, "--out", tmp_path / "set")
     assert sorted(path.name for path in (tmp_path / "set").iterdir()) == ["dataset.toml", "motor.fmu", "run-01.csv"]
+
+
+@pytest.mark.parametrize(("file", "name"), [("My Model v1.2 (1).fmu", "My_Model_v1_2_(1)"), ("a=b.fmu", "a_b"), ("A.B.motor.fmu", "A_B_motor")])
+def test_a_unit_whose_file_is_called_as_no_instance_can_be(motor, tmp_path, file, name):
+    heads = {"u": ("u", 1, 0), "i": ("i", 1, 0), "w": ("w", 1, 0), "phi": ("phi", 1, 0)}
+    unit = motor.rename(tmp_path / file)
+    run("import", log(tmp_path / "a.csv", ALL["motor"], heads), "--fmu", unit, "--out", tmp_path / "set")
+    found, head = channels(tmp_path / "set")
+    assert head["fmu"] == file and set(found) == {f"{name}.{one}" for one in heads}
+    if file == "a=b.fmu":
+        run("diagnose", tmp_path / "set", "--out", tmp_path / "out")
 
 
 def test_signs_units_and_time(motor, tmp_path):

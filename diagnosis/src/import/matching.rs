@@ -1,7 +1,8 @@
 //! Which column is which variable: by name and unit of measurement.
 
+use super::heads::Header;
 use super::policy::IMPORT;
-use super::sheet::{Header, Sheet};
+use super::sheet::Sheet;
 use super::{Match, instance};
 use crate::error::Error;
 use crate::observe::{Affine, measure};
@@ -48,7 +49,24 @@ pub(super) fn match_columns(
     if matches.iter().all(|known| known.fed) {
         return Err(no_output(fmu, sheet, time));
     }
+    check_units(description, sheet, &matches)?;
     Ok(matches)
+}
+
+/// An error for a unit of measurement that doesn't convert to that of the column's variable.
+fn check_units(description: &Description, sheet: &Sheet, matches: &[Match]) -> Result<(), Error> {
+    for matched in matches.iter().filter(|one| one.affine.is_none()) {
+        let variable = &description.variables[matched.variable];
+        let (Some(unit), Some(_)) = (&matched.unit, &variable.unit) else { continue };
+        if let Err(why) = measure::conversion(unit, variable, description) {
+            let problem = format!(
+                "column {:?}: {why}. Write the unit that was meant into the log's head; without one, numbers are taken as they are",
+                matched.column
+            );
+            return Err(Error::Manifest { path: sheet.path.clone(), line: sheet.lines.0, problem });
+        }
+    }
+    Ok(())
 }
 
 /// Columns and variables that may be one, the likeliest pair first: likeness, places of both, and why.

@@ -2,7 +2,12 @@
 //! measurement, and tried against the model; every guess is written beside its evidence.
 //!
 //! - `text.rs`: a log's encoding, comments and separators
+//! - `table.rs`: where its table begins and ends
+//! - `cells.rs`: numbers and words for what is missing
+//! - `stamps.rs`: dates and times of day
+//! - `times.rs`: which column is the time
 //! - `sheet.rs`: its columns, with names, units and numbers
+//! - `heads.rs`: a column's name and unit
 //! - `matching.rs`: which column is which variable
 //! - `starts.rs`: which parameter is where a state starts
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
@@ -11,22 +16,29 @@
 //! - `straight_line.rs`: the straight line between measured and simulated
 //! - `idle_parameters.rs`: parameters that change nothing
 //! - `write.rs`: the folder
+//! - `settle.rs`: where it is written once it reads
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod cells;
 mod draft;
+mod heads;
 mod idle_parameters;
 mod matching;
 mod policy;
+mod settle;
 mod sheet;
+mod stamps;
 mod starts;
 mod straight_line;
+mod table;
 mod text;
+mod times;
 mod trial;
 mod unshown;
 mod write;
 
 use crate::error::Error;
-use crate::observe::{self, Affine};
+use crate::observe::Affine;
 use orchestrator::{Fmu, Isolation, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
@@ -141,10 +153,8 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
         tried: Some(&tried),
         ..write::Found::new(&sheets, &known, &told, &matches, &candidates)
     };
-    let guesses = write::folder(out, fmu, &unit, &found)?;
-    // what was written must read
-    let problem = observe::load(out, units, isolation)?;
-    notices.extend(problem.notices.iter().map(ToString::to_string));
+    let (guesses, noted) = settle::settle(asked, out, &unit, &found)?;
+    notices.extend(noted);
     Ok(Imported { guesses, notices })
 }
 
@@ -208,5 +218,5 @@ struct Time {
 
 /// Name of the instance in the data set.
 fn instance(fmu: &Fmu) -> String {
-    fmu.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    orchestrator::scenario::name_of_file(fmu.path())
 }

@@ -1,6 +1,6 @@
 //! Numbers that logs and a unit are made a data set by, each with its reason.
 
-use crate::statistics::levels::{CERTAIN, FAR, FINE, HALF, ROUNDING, SEVERAL, SMALL, STEP};
+use crate::statistics::levels::{CERTAIN, FAR, FINE, HALF, ROUNDING, SEVERAL, SLIGHT, SMALL, STEP};
 use std::time::Duration;
 
 /// How much is enough.
@@ -29,6 +29,9 @@ pub(super) struct Import {
     /// Correlation from which a slope tells a unit of measurement, and how near the slope must be to its factor: a model that
     /// lacks something may well be off by a fifth, units of measurement differ by more.
     pub unit: (f64, f64),
+    /// How near a slope must be to a unit's factor for that unit to be said to be the log's: a few times what is slight. A foot and a yard a
+    /// second are further apart from a kilometre an hour, and what the model lacks moves a slope as far as that, too.
+    pub unit_is: f64,
     /// What each turned sign must gain in mean squared correlation: of two ways that explain the same, the one with fewer turns.
     pub turn: f64,
     /// Inputs whose signs are tried; beyond that all are taken as they are.
@@ -56,6 +59,7 @@ pub(super) const IMPORT: Import = Import {
     is_state: FAR,
     tells: 0.6,
     unit: (0.9, 0.3),
+    unit_is: SEVERAL * SLIGHT,
     turn: STEP,
     turned_inputs: 4,
     rows: 3000,

@@ -1,18 +1,16 @@
 //! A log as loggers and spreadsheets write it: decimal commas; units in the header or in a line of their own; columns of words.
 
-use super::Time;
-use super::policy::IMPORT;
+use super::cells::{Marks, is_missing, is_value, is_word};
+use super::heads::{Header, header};
+use super::stamps::{READ, Stamps};
 use super::text::{Separator, Text};
+use super::times::TIME_NAMES;
 use crate::error::Error;
-use crate::observe::measure;
-use crate::observe::{EPOCH, SINCE_1970, if_date, units_to_seconds};
-use crate::statistics::median::usual_step;
-use orchestrator::fmu::Description;
+use crate::observe::is_date;
 use std::path::{Path, PathBuf};
 
-/// What a column of time is called.
-const TIME: &str = "time";
-const TIME_NAMES: [&str; 8] = ["time", "t", "timestamp", "stamp", "zeit", "elapsed", "clock", "times"];
+/// A line of a log and its cells.
+type Record = (usize, csv::StringRecord);
 
 /// One log.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,128 +19,202 @@ pub(super) struct Sheet {
     pub(super) columns: Vec<Header>,
     /// A cell that holds no number is `NaN`.
     pub(super) rows: Vec<Vec<f64>>,
+    /// The line of the names, and that of each row.
+    pub(super) lines: (usize, Vec<usize>),
     /// How it was written, where not as plain CSV.
     pub(super) dialect: Option<String>,
-    /// Columns that hold words, told.
-    pub(super) left_out: Vec<String>,
+    /// The column whose dates and times were read as seconds.
+    pub(super) clock: Option<String>,
+    /// How it was read, where that is not plain; and what was left out.
+    pub(super) told: Vec<String>,
 }
 
-/// The head of a column.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Header {
-    /// As written.
-    pub(super) text: String,
-    /// Without the unit.
-    pub(super) name: String,
-    /// Unit of measurement in brackets, after an underscore, or in the line below.
-    pub(super) unit: Option<String>,
-}
-
-/// How many cells of a column are numbers and words, and the first word with its line.
+/// How many cells of a column are numbers and words, and the first of what is not plain with its line.
 #[derive(Debug, Clone, Default)]
 struct Cells {
     numbers: usize,
     words: usize,
     first: Option<(usize, String)>,
+    /// Words for what is missing.
+    missing: usize,
+    first_missing: Option<(usize, String)>,
+    /// A number with marks between thousands, and what it is.
+    grouped: Option<(usize, String, f64)>,
 }
 
 impl Cells {
     /// Counts a cell of a line, and gives its number; `NaN` where it holds none.
-    fn count(&mut self, cell: &str, comma: bool, line: usize) -> f64 {
-        match (cell, number(cell, comma)) {
-            ("", _) => f64::NAN,
-            (_, Some(value)) => {
-                self.numbers += 1;
-                value
-            }
-            (cell, None) => {
-                self.words += 1;
-                self.first.get_or_insert_with(|| (line, cell.to_owned()));
-                f64::NAN
-            }
+    fn count(&mut self, cell: &str, marks: Marks, line: usize) -> f64 {
+        if cell.is_empty() {
+            return f64::NAN;
         }
+        if let Some((value, grouped)) = marks.number(cell) {
+            self.numbers += 1;
+            if grouped {
+                self.grouped.get_or_insert_with(|| (line, cell.to_owned(), value));
+            }
+            return value;
+        }
+        let (count, first) = match is_missing(cell) {
+            true => (&mut self.missing, &mut self.first_missing),
+            false => (&mut self.words, &mut self.first),
+        };
+        *count += 1;
+        first.get_or_insert_with(|| (line, cell.to_owned()));
+        f64::NAN
+    }
+
+    /// What is told of a column of numbers.
+    fn told(&self, text: &str) -> Vec<String> {
+        let missing = self.first_missing.as_ref().map(|(line, cell)| {
+            let count = self.missing;
+            format!("column {text:?}: {count} cells hold no measurement, the first {cell:?} in line {line}")
+        });
+        let grouped = self.grouped.as_ref().map(|(line, cell, value)| {
+            format!(
+                "column {text:?}: thousands are marked in its numbers: {cell:?} in line {line} is {value}"
+            )
+        });
+        missing.into_iter().chain(grouped).collect()
     }
 }
 
 /// Whether a line below the names holds units of measurement: something, and no number.
 fn is_line_of_units(record: &csv::StringRecord) -> bool {
-    record.iter().any(|cell| !cell.is_empty()) && record.iter().all(|cell| number(cell, true).is_none())
+    record.iter().any(is_word) && !record.iter().any(is_value)
 }
 
 /// What is wrong with a line of more cells than there are names, where a further one holds a number.
-fn nameless(record: &csv::StringRecord, names: usize, comma: bool) -> Option<String> {
-    let cell = record.iter().skip(names).find(|cell| number(cell, comma).is_some())?;
+fn nameless(record: &csv::StringRecord, names: usize) -> Option<String> {
+    let cell = record.iter().skip(names).find(|cell| is_value(cell))?;
     Some(format!("{} cells below {names} names: {cell} stands below none", record.len()))
 }
 
-impl Header {
-    /// Takes the unit of measurement from the cell below the name, if it holds one.
-    fn measured_in(&mut self, cell: &str) {
-        if !cell.is_empty() {
-            self.unit = Some(cell.trim_matches(['[', ']', '(', ')']).to_owned());
+/// The names of a table and its records with their lines.
+fn records(text: &Text, path: &Path) -> Result<(Vec<Header>, Vec<Record>), Error> {
+    let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(text.separator.byte())
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.table.as_bytes());
+    let headers = reader.headers().map_err(|error| wrong(text.above + 1, format!("not CSV: {error}")))?;
+    let columns: Vec<Header> = headers.iter().map(header).collect();
+    let mut records = Vec::new();
+    for record in reader.records() {
+        let line = |error: &csv::Error| error.position().map_or(1, |at| at.line() as usize);
+        let record = record.map_err(|error| wrong(text.above + line(&error), format!("not CSV: {error}")))?;
+        let line = text.above + record.position().map_or(0, |position| position.line() as usize);
+        if let Some(problem) = nameless(&record, columns.len()) {
+            return Err(wrong(line, problem));
         }
+        records.push((line, record));
     }
+    Ok((columns, records))
 }
 
 impl Sheet {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-        let Text { separator, table, above } = Text::decode(&bytes, path)?;
-        let comma = separator != Separator::Comma;
-        let mut reader = csv::ReaderBuilder::new()
-            .delimiter(separator.byte())
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(table.as_bytes());
-        let headers =
-            reader.headers().map_err(|error| wrong(above + 1, format!("not CSV: {error}")))?.clone();
-        let mut columns: Vec<Header> = headers.iter().map(header).collect();
-        let mut rows: Vec<Vec<f64>> = Vec::new();
-        let mut decimal = false;
-        let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
-        for record in reader.records() {
-            let line = |error: &csv::Error| error.position().map_or(1, |at| at.line() as usize);
-            let record = record.map_err(|error| wrong(above + line(&error), format!("not CSV: {error}")))?;
-            let line = above + record.position().map_or(0, |position| position.line() as usize);
-            if rows.is_empty() && is_line_of_units(&record) {
-                columns.iter_mut().zip(record.iter()).for_each(|(column, cell)| column.measured_in(cell));
-                continue;
-            }
-            decimal |= comma && record.iter().any(|cell| cell.contains(',') && number(cell, true).is_some());
-            if let Some(problem) = nameless(&record, columns.len(), comma) {
-                return Err(wrong(line, problem));
-            }
-            let mut row: Vec<f64> = (record.iter().take(columns.len()).zip(&mut kinds))
-                .map(|(cell, kind)| kind.count(cell, comma, line))
-                .collect();
-            row.resize(columns.len(), f64::NAN);
-            rows.push(row);
+        let text = Text::decode(&bytes, path)?;
+        let (mut columns, mut records) = records(&text, path)?;
+        if records.first().is_some_and(|(_, record)| is_line_of_units(record)) {
+            let (_, units) = records.remove(0);
+            columns.iter_mut().zip(units.iter()).for_each(|(column, cell)| column.measured_in(cell));
         }
-        let mut sheet = Self { path: path.to_owned(), columns, rows, dialect: None, left_out: Vec::new() };
+        let cells = records.iter().flat_map(|(_, record)| record.iter());
+        let marks = Marks::of(cells, text.separator == Separator::Comma);
+        let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
+        let row = |(line, record): &Record| {
+            let cells = record.iter().take(columns.len()).zip(&mut kinds);
+            let mut row: Vec<f64> = cells.map(|(cell, kind)| kind.count(cell, marks, *line)).collect();
+            row.resize(columns.len(), f64::NAN);
+            row
+        };
+        let rows = records.iter().map(row).collect();
+        let lines = (text.above + 1, records.iter().map(|(line, _)| *line).collect());
+        let (path, told) = (path.to_owned(), text.left_out);
+        let mut sheet = Self { path, columns, rows, lines, dialect: None, clock: None, told };
+        sheet.with_clock(&records, &mut kinds)?;
         sheet.without_words(&kinds)?;
         if sheet.rows.len() < 3 {
-            return Err(wrong(above + 1, format!("{} rows: too few to compare", sheet.rows.len())));
+            let problem = format!("{} rows: too few to compare", sheet.rows.len());
+            return Err(sheet.wrong(sheet.lines.0, problem));
         }
-        let commas = if decimal { ", numbers had decimal commas" } else { "" };
-        sheet.dialect = separator.in_words().map(|name| format!("columns were separated by {name}{commas}"));
+        let is_comma =
+            |cell: &str| cell.contains(',') && marks != Marks::Point && marks.number(cell).is_some();
+        let commas = records.iter().any(|(_, record)| record.iter().any(is_comma));
+        let separated = text.separator.in_words().map(|name| format!("columns were separated by {name}"));
+        let commas = commas.then(|| "numbers had decimal commas".to_owned());
+        let dialect: Vec<String> = separated.into_iter().chain(commas).collect();
+        sheet.dialect = (!dialect.is_empty()).then(|| dialect.join(", "));
         Ok(sheet)
+    }
+
+    fn wrong(&self, line: usize, problem: String) -> Error {
+        Error::Manifest { path: self.path.clone(), line, problem }
+    }
+
+    /// Reads dates and times of day as seconds: a column of both, or of times of day with one of dates beside it.
+    fn with_clock(&mut self, records: &[Record], kinds: &mut [Cells]) -> Result<(), Error> {
+        let mut found: Vec<(usize, Stamps)> = Vec::new();
+        for (place, kind) in kinds.iter().enumerate() {
+            let Some((line, _)) = kind.first.as_ref().filter(|_| kind.numbers == 0) else { continue };
+            let cell = |(_, record): &'_ Record| {
+                record.get(place).filter(|cell| !is_missing(cell)).unwrap_or("").to_owned()
+            };
+            let cells: Vec<String> = records.iter().map(cell).collect();
+            let stamps = Stamps::read(&cells).map_err(|problem| {
+                self.wrong(*line, format!("column {:?}: {problem}", self.columns[place].text))
+            })?;
+            found.extend(stamps.map(|stamps| (place, stamps)));
+        }
+        let timed = found.iter().position(|(_, stamps)| stamps.timed).unwrap_or(0);
+        let Some((place, stamps)) = found.get(timed).cloned() else { return Ok(()) };
+        let days = found.iter().find(|(_, stamps)| !stamps.timed).filter(|_| !stamps.dated);
+        self.told.extend(days.map(|(days, _)| {
+            let [time, date] = [place, *days].map(|at| &self.columns[at].text);
+            format!("column {time:?}: its days are those of column {date:?}")
+        }));
+        let seconds = days.map_or(stamps.clone(), |(_, days)| stamps.on(days)).seconds();
+        let known = || seconds.values.iter().filter(|value| value.is_finite());
+        if known().all(|value| *value <= 0.0) {
+            return Ok(());
+        }
+        let text = self.columns[place].text.clone();
+        self.told.extend(seconds.midnights.iter().map(|row| {
+            format!("column {text:?}: midnight passes before line {}: a day is added", self.lines.1[*row])
+        }));
+        self.rows.iter_mut().zip(&seconds.values).for_each(|(row, value)| row[place] = *value);
+        kinds[place] = Cells::default();
+        self.columns[place].unit = Some("s".into());
+        self.clock = Some(text);
+        Ok(())
     }
 
     /// Leaves out columns that hold words. One of numbers with a word in it is an error, as is one of time: another would pass for it.
     fn without_words(&mut self, kinds: &[Cells]) -> Result<(), Error> {
         for (place, cells) in kinds.iter().enumerate().rev() {
-            let Some((line, cell)) = &cells.first else { continue };
             let Header { text, name, .. } = &self.columns[place];
-            if TIME_NAMES.contains(&name.to_lowercase().as_str()) || cells.words <= cells.numbers {
-                let problem = format!("column {text:?}: {cell:?} is no number{}", if_date(cell));
-                return Err(Error::Manifest { path: self.path.clone(), line: *line, problem });
+            let told = cells.told(text);
+            let Some((line, cell)) = &cells.first else {
+                self.told.extend(told);
+                continue;
+            };
+            let is_time = TIME_NAMES.contains(&name.to_lowercase().as_str());
+            if is_time || cells.words <= cells.numbers {
+                let wanted = match cell.contains(',') {
+                    _ if is_time || is_date(cell) => READ,
+                    true => "a comma stands before three digits, or before decimals in all of the log",
+                    false => "where nothing was measured the cell is empty, NaN or N/A",
+                };
+                return Err(self.wrong(*line, format!("column {text:?}: {cell:?} is no number; {wanted}")));
             }
-            self.left_out.push(format!(
-                "column {text:?} holds words (line {line}: {cell:?}) and is left out{}",
-                if_date(cell)
-            ));
+            let dates =
+                if is_date(cell) && self.clock.is_none() { format!("; {READ}") } else { String::new() };
+            self.told
+                .push(format!("column {text:?} holds words (line {line}: {cell:?}) and is left out{dates}"));
             self.columns.remove(place);
             for row in &mut self.rows {
                 row.remove(place);
@@ -151,23 +223,15 @@ impl Sheet {
         Ok(())
     }
 
-    /// With a column of time, for rows that were written at a rate.
-    pub(super) fn timed(&mut self, rate: f64, start: f64) -> Result<(), Error> {
-        let is_time = |column: &&Header| column.text.eq_ignore_ascii_case(TIME);
-        if let Some(column) = self.columns.iter().find(is_time) {
-            let problem = format!("there is a column {:?}: without --rate its times are taken", column.text);
-            return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
-        }
-        self.columns.insert(0, Header { text: TIME.into(), name: TIME.into(), unit: Some("s".into()) });
-        for (count, row) in self.rows.iter_mut().enumerate() {
-            row.insert(0, start + count as f64 / rate);
-        }
-        Ok(())
-    }
-
     /// The heads as written.
     pub(super) fn names(&self) -> Vec<&str> {
         self.columns.iter().map(|column| column.text.as_str()).collect()
+    }
+
+    /// The line here of a line of the plain CSV that this is written as.
+    pub(super) fn line_of(&self, plain: usize) -> usize {
+        let row = plain.checked_sub(2).and_then(|row| self.lines.1.get(row));
+        row.copied().unwrap_or(self.lines.0)
     }
 
     /// Place of a column by its head.
@@ -190,127 +254,6 @@ impl Sheet {
             column.name.clone_from(&column.text);
         }
     }
-
-    /// The column of time, with its unit and why it is thought to be that.
-    pub(super) fn time_column(&self, description: &Description) -> Result<(Time, String), Error> {
-        let rises = |place: &usize| {
-            let rising = self.rows.windows(2).filter(|pair| pair[1][*place] > pair[0][*place]).count();
-            rising as f64 > 0.9 * (self.rows.len() - 1) as f64
-        };
-        let places = || (0..self.columns.len()).filter(rises);
-        let called = |place: &usize| TIME_NAMES.contains(&self.columns[*place].name.to_lowercase().as_str());
-        let of_time = |place: &usize| {
-            self.columns[*place].unit.as_deref().is_some_and(|unit| measure::seconds(unit).is_ok())
-        };
-        let found = places().find(called).map(|place| (place, "by its name"));
-        let found = found.or_else(|| places().find(of_time).map(|place| (place, "by its unit")));
-        let Some((place, why)) = found
-            .or_else(|| places().next().map(|place| (place, "the first column that rises from row to row")))
-        else {
-            let wanted = "no column rises from row to row: wanted is one with the time as a number, or --rate HZ for rows at a rate";
-            let problem =
-                [wanted.to_owned()].into_iter().chain(self.left_out.clone()).collect::<Vec<_>>().join("; ");
-            return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
-        };
-        let head = &self.columns[place];
-        let (unit, reason) = match head.unit.as_deref().filter(|unit| measure::seconds(unit).is_ok()) {
-            Some(unit) => (unit.to_owned(), "unit from the header".to_owned()),
-            None => self.time_unit(place, description),
-        };
-        let seconds = measure::seconds(&unit).unwrap_or(1.0);
-        let told = format!("time is {:?}, {why}; {reason}", head.text);
-        Ok((Time { place, name: head.text.clone(), unit, seconds }, told))
-    }
-
-    /// A unit of time by size: what makes rows as far apart as the unit's own step suggests.
-    fn time_unit(&self, place: usize, description: &Description) -> (String, String) {
-        let gap = self.usual_gap(place);
-        let last = self.rows.last().map_or(0.0, |row| row[place]);
-        for (unit, seconds) in units_to_seconds() {
-            if (EPOCH..SINCE_1970.end).contains(&(last * seconds)) {
-                return (unit.into(), format!("taken as {unit} since 1970, by its size"));
-            }
-        }
-        if self.columns[place].name == TIME {
-            return ("s".into(), "taken as s, as everywhere where a column is called time".into());
-        }
-        let own = description.default_experiment.step_size.filter(|step| *step > 0.0);
-        let whole = self.rows.iter().all(|row| row[place].fract() == 0.0);
-        match own {
-            Some(own) if whole && gap / own > 100.0 && gap / own < 1e5 => {
-                ("ms".into(), format!("rows are {gap} apart, the unit's own step is {own} s: taken as ms"))
-            }
-            None if whole && (5.0..1e3).contains(&gap) => {
-                ("ms".into(), format!("whole numbers {gap} apart: taken as ms, look at this"))
-            }
-            _ => ("s".into(), format!("rows are {gap:.6} apart: taken as s")),
-        }
-    }
-
-    /// The median distance of rows in the log's own unit.
-    pub(super) fn usual_gap(&self, place: usize) -> f64 {
-        usual_step(&self.column(place)).unwrap_or(0.0)
-    }
-
-    /// Tells where rows are missing, and how uneven they are.
-    pub(super) fn gaps(&self, time: &Time, notices: &mut Vec<String>) -> Result<(), Error> {
-        let Some(place) = self.place(&time.name) else {
-            let problem = format!("there is no column {:?} of time", time.name);
-            return Err(Error::Manifest { path: self.path.clone(), line: 1, problem });
-        };
-        let usual = self.usual_gap(place);
-        let far = self.rows.windows(2).filter(|pair| pair[1][place] - pair[0][place] > IMPORT.gap * usual);
-        let far: Vec<(f64, f64)> = far.map(|pair| (pair[0][place], pair[1][place])).collect();
-        if let Some((from, to)) = far.first() {
-            notices.push(format!(
-                "{}: {} gap(s) in time, the first from {from} to {to} {}; nothing is filled in, rows are used at their own times",
-                self.path.display(),
-                far.len(),
-                time.unit
-            ));
-        }
-        Ok(())
-    }
-}
-
-/// `T [degC]`, `T (degC)`, `T_degC`, `tau_Nm`, `T`.
-fn header(text: &str) -> Header {
-    let whole = |name: &str, unit: Option<&str>| Header {
-        text: text.to_owned(),
-        name: name.trim().to_owned(),
-        unit: unit.map(|unit| unit.trim().to_owned()),
-    };
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        if let Some((name, rest)) = text.split_once(open)
-            && let Some(unit) = rest.trim().strip_suffix(close)
-        {
-            return whole(name, Some(unit));
-        }
-    }
-    for separator in [" in ", "/", "_"] {
-        if let Some((name, unit)) = text.rsplit_once(separator)
-            && name.len() > 1 - usize::from(separator == "_")
-            // a letter or two after an underscore is more often an index than a metre
-            && (separator != "_" || unit.chars().count() > 1 || "VAKNWs".contains(unit))
-            && measure::named(unit).is_some()
-            && unit.parse::<f64>().is_err()
-        {
-            return whole(name, Some(unit));
-        }
-    }
-    whole(text, None)
-}
-
-/// A number, with a decimal comma where commas don't separate cells.
-pub(super) fn number(cell: &str, comma: bool) -> Option<f64> {
-    match cell {
-        "true" | "True" | "TRUE" => return Some(1.0),
-        "false" | "False" | "FALSE" => return Some(0.0),
-        "nan" | "NaN" | "NAN" | "null" | "-" => return Some(f64::NAN),
-        _ => {}
-    }
-    let point = if comma && !cell.contains('.') { cell.replacen(',', ".", 1) } else { cell.to_owned() };
-    point.parse::<f64>().ok().filter(|number| !number.is_infinite())
 }
 
 #[cfg(test)]
@@ -318,40 +261,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn value_heads_with_units() {
-        for (text, name, unit) in [
-            ("T [degC]", "T", Some("degC")),
-            ("speed (rpm)", "speed", Some("rpm")),
-            ("tau_Nm", "tau", Some("Nm")),
-            ("motor current in mA", "motor current", Some("mA")),
-            ("u_V", "u", Some("V")),
-            ("theta_1", "theta_1", None),
-            ("x_m", "x_m", None),
-            ("T_out", "T_out", None),
-            ("phi", "phi", None),
-        ] {
-            let head = header(text);
-            assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");
-        }
-    }
-
-    #[test]
     fn value_heads_that_are_names_of_variables() {
         let columns = ["M_A", "v[2]", "u_V", "x [mm]"].map(header).to_vec();
-        let mut sheet =
-            Sheet { path: "log.csv".into(), columns, rows: Vec::new(), dialect: None, left_out: Vec::new() };
+        let mut sheet = Sheet {
+            path: "log.csv".into(),
+            columns,
+            rows: vec![],
+            lines: (1, vec![]),
+            dialect: None,
+            clock: None,
+            told: vec![],
+        };
         sheet.with_names(&|text| ["M_A", "v[2]"].contains(&text));
         let heads: Vec<_> =
             sheet.columns.iter().map(|head| (head.name.as_str(), head.unit.as_deref())).collect();
         assert_eq!(heads, [("M_A", None), ("v[2]", None), ("u", Some("V")), ("x", Some("mm"))]);
-    }
-
-    #[test]
-    fn value_numbers_of_spreadsheets() {
-        assert_eq!(
-            (number("1,5", true), number("-2.5e3", false), number("1,5", false)),
-            (Some(1.5), Some(-2500.0), None)
-        );
-        assert!(number("NaN", false).is_some_and(f64::is_nan));
     }
 }

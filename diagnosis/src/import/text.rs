@@ -1,12 +1,13 @@
 //! The text of a log as loggers and spreadsheets write it: its encoding, comments above it, and what stands between its cells.
 
-use super::sheet::number;
+use super::cells::is_value;
+use super::table::{self, Table, cells, is_comment};
 use crate::error::Error;
 use std::borrow::Cow;
 use std::path::Path;
 
 /// How comments begin.
-const COMMENTS: [char; 2] = ['#', '%'];
+pub(super) const COMMENTS: [char; 2] = ['#', '%'];
 
 /// What separates cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,12 +20,18 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    const ALL: [(Self, char); 3] = [(Self::Semicolon, ';'), (Self::Tab, '\t'), (Self::Comma, ',')];
+    /// The likelier before others that leave as many values.
+    pub(super) const ALL: [Self; 4] = [Self::Semicolon, Self::Tab, Self::Comma, Self::Blanks];
 
-    fn guess(line: &str) -> Option<Self> {
-        let known = Self::ALL.into_iter().find(|(_, letter)| line.contains(*letter));
-        let blanks = || line.split_whitespace().nth(1).map(|_| Self::Blanks);
-        known.map(|(separator, _)| separator).or_else(blanks)
+    /// Of names alone.
+    fn of_names(line: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|separator| cells(line, *separator).len() > 1)
+    }
+
+    /// What Excel writes above a table: `sep=;`.
+    fn stated(line: &str) -> Option<Self> {
+        let stated = line.trim().trim_matches('"').strip_prefix("sep=")?;
+        Self::ALL.into_iter().find(|separator| stated.bytes().eq([separator.byte()]))
     }
 
     /// In words; commas need none.
@@ -53,13 +60,6 @@ impl Separator {
             _ => Cow::Borrowed(line),
         }
     }
-
-    fn cells(self, line: &str) -> Vec<&str> {
-        match self {
-            Self::Blanks => line.split_whitespace().collect(),
-            other => line.split(char::from(other.byte())).map(str::trim).collect(),
-        }
-    }
 }
 
 /// A table in a text.
@@ -70,6 +70,8 @@ pub(super) struct Text {
     pub(super) table: String,
     /// Lines above the table.
     pub(super) above: usize,
+    /// What was left out above and below, told.
+    pub(super) left_out: Vec<String>,
 }
 
 impl Text {
@@ -77,53 +79,81 @@ impl Text {
     pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Self, Error> {
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
         let text = decoded(bytes).trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
-        let lines: Vec<&str> = text.lines().collect();
-        let is_comment = |line: &str| line.trim().is_empty() || line.trim_start().starts_with(COMMENTS);
+        let mut lines: Vec<&str> = text.lines().collect();
+        let stated = lines.first().and_then(|line| Separator::stated(line));
+        if stated.is_some() {
+            lines[0] = "";
+        }
         let first = lines.iter().position(|line| !is_comment(line));
         let Some(first) = first else { return Err(wrong(1, "no table in it".into())) };
         if let Some((line, problem)) = not_text(&lines[..=first]) {
             return Err(wrong(line, problem));
         }
-        let Some(separator) = Separator::guess(lines[first]) else {
+        let guessed = || table::separator(&lines).or_else(|| Separator::of_names(lines[first]));
+        let Some(separator) = stated.or_else(guessed) else {
             return Err(wrong(
                 first + 1,
                 "one column only: wanted is a line of names, separated by commas".into(),
             ));
         };
-        let is_number = |cell: &&str| number(cell, separator != Separator::Comma).is_some();
-        let cells = separator.cells(lines[first]);
-        // the names may stand in the last comment
-        let named = cells.iter().all(|cell| is_number(cell) || cell.is_empty());
-        let head = if named { first.checked_sub(1) } else { Some(first) };
-        let head = head.map(|at| (at, lines[at].trim_start().trim_start_matches(COMMENTS)));
-        let head = head.filter(|(at, text)| *at == first || separator.cells(text).len() == cells.len());
-        let Some((head, names)) = head else {
-            return Err(wrong(
-                first + 1,
-                format!(
-                    "numbers where the names of columns belong: put a line above it with a name for each of the {} columns, best those of \
-                 the unit's variables, and one called time",
-                    cells.len()
-                ),
-            ));
-        };
+        let found = table::find(&table::cut(&lines, separator)).map_err(|line| {
+            let problem = "a table seems to begin here, and no line of as many names stands above it: put one there, with a name for each column, and \
+                 take out what else stands above";
+            wrong(line + 1, problem.into())
+        })?;
+        let (head, names) =
+            names(&lines, &found, separator).map_err(|problem| wrong(found.head + 1, problem))?;
         if separator == Separator::Blanks {
-            let names = separator.cells(names).len();
-            let row = |at: &usize| !is_comment(lines[*at]) && separator.cells(lines[*at]).len() != names;
-            if let Some(row) = (head + 1..lines.len()).find(row) {
-                let problem = format!(
-                    "{} cells below {names} names: blanks don't say which is missing, and a name can have none; commas between columns would do",
-                    separator.cells(lines[row]).len()
-                );
-                return Err(wrong(row + 1, problem));
-            }
+            check_blanks(&lines[head..found.end], names)
+                .map_err(|(line, problem)| wrong(head + line, problem))?;
         }
+        let left_out = left_out(&lines, first, &found);
         // an empty line keeps the numbers of those below
-        let body = lines[head + 1..].iter().map(|line| if is_comment(line) { "" } else { line });
+        let body = lines[head + 1..found.end].iter().map(|line| if is_comment(line) { "" } else { line });
         let lines: Vec<Cow<'_, str>> =
             [names].into_iter().chain(body).map(|line| separator.joined(line)).collect();
-        Ok(Self { separator, table: lines.join("\n"), above: head })
+        Ok(Self { separator, table: lines.join("\n"), above: head, left_out })
     }
+}
+
+/// The line of names of a table and its place: its first, or the comment above numbers.
+fn names<'a>(lines: &[&'a str], found: &Table, separator: Separator) -> Result<(usize, &'a str), String> {
+    let first = cells(lines[found.head], separator);
+    let named = !first.iter().all(|cell| is_value(cell) || cell.is_empty());
+    let head = if named { Some(found.head) } else { found.head.checked_sub(1) };
+    let head = head.map(|at| (at, lines[at].trim_start().trim_start_matches(COMMENTS)));
+    head.filter(|(at, text)| *at == found.head || cells(text, separator).len() == first.len()).ok_or_else(|| {
+        format!(
+            "numbers where the names of columns belong: put a line above it with a name for each of the {} columns, best those of \
+             the unit's variables, and one called time",
+            first.len()
+        )
+    })
+}
+
+/// Whether all rows of a table with blanks between cells have as many as there are names; an error has the place of one, counted from 1.
+fn check_blanks(lines: &[&str], names: &str) -> Result<(), (usize, String)> {
+    let count = |line: &str| line.split_whitespace().count();
+    let names = count(names);
+    let is_ragged = |line: &&&str| !is_comment(line) && count(line) != names;
+    let Some(at) = lines.iter().skip(1).position(|line| is_ragged(&line)) else { return Ok(()) };
+    let problem = format!(
+        "{} cells below {names} names: blanks don't say which is missing, and a name can have none; commas between columns would do",
+        count(lines[at + 1])
+    );
+    Err((at + 2, problem))
+}
+
+/// What stands above a table and below it that is no comment, told.
+fn left_out(lines: &[&str], first: usize, found: &Table) -> Vec<String> {
+    let above = found
+        .is_below
+        .then(|| format!("lines {} to {} stand above the table and are left out", first + 1, found.head));
+    let below = lines.iter().enumerate().skip(found.end).find(|(_, line)| !is_comment(line));
+    let below = below.map(|(at, line)| {
+        format!("from line {} on ({:?}) no rows stand below the table: left out", at + 1, line.trim())
+    });
+    above.into_iter().chain(below).collect()
 }
 
 /// Line of the first character that no text holds, and what is wrong: those that control a terminal, but for tabs and new pages.
@@ -173,6 +203,8 @@ mod tests {
         assert!(told.contains("2 cells below 3 names"), "{told}");
         let ragged = read("t u w\n0.0 1 2\n\n0.1 1\n0.2 1 2\n").unwrap_err();
         assert!(ragged.contains(":4: 2 cells below 3 names"), "{ragged}");
+        let line = read("t u w\n\n0.0 1 2\n0.1 1 2 3\n0.2 1 2\n").unwrap_err();
+        assert!(line.contains(":4: 4 cells below 3 names"), "{line}");
     }
 
     #[test]
@@ -183,6 +215,21 @@ mod tests {
             Ok((Separator::Comma, table.replacen("t,u", " t,u", 1), 2))
         );
         assert_eq!(read("# rig 7\nt,u\n0,1\n\n1,2\n"), Ok((Separator::Comma, table, 1)));
+    }
+
+    #[test]
+    fn value_a_table_below_what_a_device_writes_and_above_a_summary() {
+        let text = "Device: DAQ-7; serial 12\nOperator,\"Smith, J.\"\nRate,100,Hz\n\nt,u,w\n0,1,2\n1,2,3\nMean,1.5,2.5\n";
+        assert_eq!(read(text), Ok((Separator::Comma, "t,u,w\n0,1,2\n1,2,3".into(), 4)));
+        let found = Text::decode(text.as_bytes(), Path::new("log.csv")).expect("a table");
+        let told = found.left_out.join("; ");
+        assert!(
+            told.contains("lines 1 to 4 stand above") && told.contains("from line 8 on (\"Mean,1.5,2.5\")"),
+            "{told}"
+        );
+        assert_eq!(read("sep=;\nt;u\n0,5;1\n1;2\n"), Ok((Separator::Semicolon, "t;u\n0,5;1\n1;2".into(), 1)));
+        let unclear = read("Rig 7,bench,a\n\nof,him,c\n0,1\n1,2\n").unwrap_err();
+        assert!(unclear.contains("log.txt:4: a table seems to begin here"), "{unclear}");
     }
 
     #[test]

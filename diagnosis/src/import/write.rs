@@ -75,11 +75,11 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
     let none = idle_parameters::Found::default();
     put_candidates(&mut text, &mut guesses, fmu, &candidates, tried.unwrap_or(&none));
     for (number, sheet) in sheets.iter().enumerate() {
-        let name = format!("run-{:02}.csv", number + 1);
+        let name = run(number);
         put(&name, plain(sheet))?;
         let _ = write!(text, "\n[[run]]                                  # {}\n", sheet.path.display());
         let _ = writeln!(text, "# guess: {told}");
-        guesses.extend(sheet.left_out.iter().map(|told| format!("{}: {told}", sheet.path.display())));
+        guesses.extend(sheet.told.iter().map(|told| format!("{}: {told}", sheet.path.display())));
         if let Some(dialect) = &sheet.dialect {
             let _ = writeln!(text, "# {dialect}");
             guesses.push(format!("{}: {dialect}", sheet.path.display()));
@@ -93,6 +93,11 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
     }
     put("dataset.toml", text)?;
     Ok(guesses)
+}
+
+/// What the log of a run is called, counted from 0.
+pub(super) fn run(number: usize) -> String {
+    format!("run-{:02}.csv", number + 1)
 }
 
 fn quoted(text: &str) -> String {

@@ -154,18 +154,33 @@ impl Log {
         }
         if let Some((line, count)) = late {
             if count >= DISORDER.1 && count as f64 > DISORDER.0 * self.rows.len() as f64 {
-                let problem = format!(
-                    "column {:?} is no time: {count} of {} rows are not later than the row before, this is the first",
-                    self.columns[place],
-                    self.rows.len()
-                );
-                return Err(self.wrong(line, problem));
+                return Err(self.wrong(line, self.disorder(place, count)?));
             }
             let message =
                 format!("not later than the row before; left out ({count} such rows, this is the first)");
             notices.push(Notice { file: label.to_owned(), line, message });
         }
         Ok(Times { rows })
+    }
+
+    /// What is wrong with a column of time of which so many rows are not later than one before: a clock that began again goes on from there.
+    fn disorder(&self, place: usize, count: usize) -> Result<String, Error> {
+        let column = &self.columns[place];
+        let times: Vec<f64> = (0..self.rows.len())
+            .filter_map(|row| self.number(row, place).transpose())
+            .collect::<Result<_, _>>()?;
+        let mut back = times.windows(2).filter(|pair| pair[1] <= pair[0]);
+        if let Some([from, to]) = back.next()
+            && back.count() as f64 + 1.0 <= DISORDER.0 * count as f64
+        {
+            return Ok(format!(
+                "column {column:?}: the clock begins again here, from {from} to {to}: split the log before this line, into one file a run"
+            ));
+        }
+        let all = self.rows.len();
+        Ok(format!(
+            "column {column:?} is no time: {count} of {all} rows are not later than the row before, this is the first"
+        ))
     }
 
     /// The numbers of a column, with their times.
@@ -181,18 +196,23 @@ impl Log {
     }
 }
 
-/// What to write in place of a date or a time of day, if a cell holds one: `2026-11-24T10:00:00Z`, `24.11.2026 10:00`, `10:00:00.5`.
-pub(crate) fn if_date(cell: &str) -> &'static str {
-    let is_part = |byte: u8| byte.is_ascii_digit() || b"-/:. +,TZ".contains(&byte);
-    let groups = cell.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty());
-    if cell.starts_with(|first: char| first.is_ascii_digit())
-        && cell.bytes().all(is_part)
-        && groups.count() > 2
-    {
-        "; of dates and times of day nothing is read: write the time in seconds, such as those since the first row"
+/// What to do about a date or a time of day, if a cell holds one.
+fn if_date(cell: &str) -> &'static str {
+    if is_date(cell) {
+        "; dates and times of day are read by `acroscope import`; here the time stands in seconds, such as those since the first row"
     } else {
         ""
     }
+}
+
+/// Whether a cell has the shape of a date or a time of day: `2026-11-24T10:00:00Z`, `24.11.2026 10:00 PM`, `10:00:00.5`, `10:00`.
+pub(crate) fn is_date(cell: &str) -> bool {
+    let is_part = |byte: u8| byte.is_ascii_digit() || b"-/:. +,TZAPM".contains(&byte.to_ascii_uppercase());
+    let groups =
+        cell.split(|letter: char| !letter.is_ascii_digit()).filter(|group| !group.is_empty()).count();
+    cell.starts_with(|first: char| first.is_ascii_digit())
+        && cell.bytes().all(is_part)
+        && (groups > 2 || groups == 2 && cell.contains(':'))
 }
 
 /// The usual cause of too many cells.
@@ -220,7 +240,7 @@ mod tests {
         ] {
             assert!(if_date(cell).contains("in seconds"), "{cell}");
         }
-        for cell in ["-1.5-", "0,5", "1.2", "12:30", "off", "v1.2.3", "1e-3"] {
+        for cell in ["-1.5-", "0,5", "1.2", "off", "v1.2.3", "1e-3"] {
             assert_eq!(if_date(cell), "", "{cell}");
         }
     }

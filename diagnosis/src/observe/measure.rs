@@ -115,6 +115,7 @@ const SPELLED: &[(&str, &str)] = &[
     ("kph", "km/h"),
     ("L", "l"),
     ("mps", "m/s"),
+    ("in", "inch"),
     ("-", "1"),
 ];
 

@@ -26,7 +26,7 @@ mod run_files;
 mod unlogged;
 
 pub(crate) use clock::{EPOCH, SINCE_1970, UNITS, units_below_seconds, units_to_seconds};
-pub(crate) use log::if_date;
+pub(crate) use log::is_date;
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};

@@ -65,11 +65,11 @@ fn unit_alone(
     let wrong = |problem: String| file.wrong(&name.span(), problem);
     let given = name.get_ref().as_str();
     open(given, folder, units).map_err(|error| wrong(error.to_string()))?;
-    let stem = Path::new(given).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let own = orchestrator::scenario::name_of_file(Path::new(given));
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let scenario = format!(
         "format = 1\n[experiment]\nstop = 1\n[[units]]\nname = {}\nfmu = {}\ninterval = 1\n",
-        quoted(&stem),
+        quoted(&own),
         quoted(given)
     );
     Scenario::parse(&scenario, folder.join("dataset.toml")).map_err(|error| match error {

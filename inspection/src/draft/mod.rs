@@ -63,9 +63,7 @@ fn try_out(text: &str, scenario: &Path) -> Result<(), orchestrator::Error> {
 
 /// The stem of the file, as far as scenarios allow it, with a number where it is taken.
 fn name_of(file: &Path, units: &[Unit]) -> String {
-    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    let legal = |c: char| if c.is_whitespace() || matches!(c, '.' | '*' | '=') { '_' } else { c };
-    let stem: String = stem.chars().map(legal).collect();
+    let stem = orchestrator::scenario::name_of_file(file);
     let taken = |name: &str| units.iter().any(|unit| unit.name == name);
     let numbered = (2..).map(|number| format!("{stem}_{number}"));
     [stem.clone()].into_iter().chain(numbered).find(|name| !taken(name)).unwrap_or(stem)

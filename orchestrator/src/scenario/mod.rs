@@ -53,6 +53,7 @@ pub(crate) mod write;
 
 pub use crate::wiring::table;
 pub use connection::{Channel, ConnectionEntry, Hold, Transform};
+pub use raw::name_of_file;
 pub(crate) use write::resolved;
 
 use crate::error::{Error, Place};

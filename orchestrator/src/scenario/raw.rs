@@ -205,6 +205,17 @@ pub(super) fn parse(text: &str, origin: &Path) -> Result<Scenario, Error> {
     Ok(scenario)
 }
 
+/// What the name of a unit can't hold: parts of `unit.variable`, of patterns and of `--set`.
+fn never_in_a_name(letter: char) -> bool {
+    letter.is_whitespace() || matches!(letter, '.' | '*' | '=')
+}
+
+/// The name of a unit from that of its file: the stem, with `_` for what no name can hold. Modelica's tools write `Package.Model.fmu`.
+pub fn name_of_file(file: &std::path::Path) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    stem.replace(never_in_a_name, "_")
+}
+
 fn units(at: &Text, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error> {
     let mut units: Vec<UnitEntry> = Vec::with_capacity(raw.len());
     let mut known: HashMap<String, Place> = HashMap::with_capacity(raw.len());
@@ -212,7 +223,7 @@ fn units(at: &Text, raw: Vec<Spanned<Unit>>) -> Result<Vec<UnitEntry>, Error> {
         let place = at.place(entry.span());
         let unit = entry.into_inner();
         let name = unit.name.get_ref();
-        if name.is_empty() || name.contains(['.', '*', '=']) || name.contains(char::is_whitespace) {
+        if name.is_empty() || name.contains(never_in_a_name) {
             let expected = "a name without dots, stars, equal signs and spaces";
             return Err(at.wrong(unit.name.span(), format!("unit name {name:?}"), expected));
         }

@@ -45,9 +45,17 @@ pub(super) fn judge(
         ));
         return;
     }
+    let (near, mut told) = (seen.is_some(), false);
     match (seen, matched.unit.clone()) {
-        (Some(Seen { unit, found, beside: None }), None) => {
-            matched.evidence.push(format!("in {unit}, by trial: {said}, offset {:.4}", line.offset));
+        (Some(Seen { unit, found, beside: None, slope }), None) => {
+            let mut why = format!("in {unit}, by trial: {said}, offset {:.4}", line.offset);
+            if !is_unit(slope) {
+                why += &format!(
+                    "; numbers in {unit}, the nearest usual unit, would be {slope:.2} times what the model says: look at this"
+                );
+                notices.push(format!("column {:?}: {why}", matched.column));
+            }
+            matched.evidence.push(why);
             matched.unit = Some(unit);
             let sign = own.scale.signum() * line.slope.signum();
             if sign < 0.0 || matched.affine.is_some() {
@@ -55,7 +63,7 @@ pub(super) fn judge(
             }
             return;
         }
-        (Some(seen), header) => tell(matched, &seen, header.as_deref(), &said, notices),
+        (Some(seen), header) => told = tell(matched, &seen, header.as_deref(), &said, notices),
         (None, _) => {}
     }
     if !line.begun {
@@ -68,10 +76,23 @@ pub(super) fn judge(
         notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
         return;
     }
-    let size_fits = (line.slope.abs() - 1.0).abs() < IMPORT.unit.1;
-    let fits =
-        if size_fits { "sign and size fit" } else { "the sign fits, the size does not: look at the unit" };
-    matched.evidence.push(format!("{fits}: {said}"));
+    size(matched, line, near && !told, &said, notices);
+}
+
+/// What is said of the size of an output whose sign fits; where a unit comes `near` that it isn't, the slope.
+fn size(matched: &mut Match, line: Line, near: bool, said: &str, notices: &mut Vec<String>) {
+    if (line.slope.abs() - 1.0).abs() < IMPORT.unit.1 {
+        matched.evidence.push(format!("sign and size fit: {said}"));
+        return;
+    }
+    matched.evidence.push(format!("the sign fits, the size does not: look at the unit: {said}"));
+    if near {
+        notices.push(format!(
+            "column {:?}: its numbers are {:.3} times what the model says (correlation {:.2}), which no usual unit of measurement explains: \
+             look at its unit, at those of the inputs, and at what the model lacks",
+            matched.column, line.slope, line.correlation
+        ));
+    }
 }
 
 /// How far the means of model and log are apart once the sign is the model's.
@@ -127,6 +148,13 @@ struct Seen {
     found: Affine,
     /// The power of ten that explains it as well: a gain, or a prefix.
     beside: Option<f64>,
+    /// The slope that is left with this unit.
+    slope: f64,
+}
+
+/// Whether a slope that is left with a unit says that it is the log's: it may be off by no more than a few per cent.
+fn is_unit(slope: f64) -> bool {
+    slope.ln().abs() < IMPORT.unit_is
 }
 
 /// The unit of measurement that explains a slope best, other than the one that it was converted from by `own`; where that one is `known`
@@ -151,28 +179,36 @@ fn unit_of(
         let other = shifted && !known || (ratio.abs() - 1.0).abs() > ROUNDING;
         let slope = (ratio * line.slope).abs();
         let near = (slope - 1.0).abs() < IMPORT.unit.1;
-        (other && near && zero).then(|| (slope.log10().abs(), unit.to_owned(), found))
+        (other && near && zero).then(|| (slope.log10().abs(), unit.to_owned(), found, slope))
     };
     let all = USUAL.into_iter().chain([its]).filter_map(seen);
-    let (off, unit, found) = all.min_by(|one, other| one.0.total_cmp(&other.0))?;
+    let (off, unit, found, slope) = all.min_by(|one, other| one.0.total_cmp(&other.0))?;
     let decades = line.slope.abs().log10();
     let is_nearer = (decades - decades.round()).abs() < off - ROUNDING;
-    Some(Seen { unit, found, beside: is_nearer.then(|| libm::exp10(decades.round())) })
+    Some(Seen { unit, found, beside: is_nearer.then(|| libm::exp10(decades.round())), slope })
 }
 
 /// Tells what a slope says of the unit of measurement where nothing is changed by it: the header says another, or a power of ten is as good.
-fn tell(matched: &mut Match, seen: &Seen, header: Option<&str>, said: &str, notices: &mut Vec<String>) {
-    let Seen { unit, beside, .. } = seen;
+/// Whether it says anything.
+fn tell(
+    matched: &mut Match,
+    seen: &Seen,
+    header: Option<&str>,
+    said: &str,
+    notices: &mut Vec<String>,
+) -> bool {
+    let Seen { unit, beside, slope, .. } = seen;
     let told = match (header, beside) {
-        (Some(header), None) => format!(
+        (Some(header), None) if is_unit(*slope) => format!(
             "its header says {header}, and its numbers are what the model says in {unit} ({said}): written as the header says; if it is wrong, \
              write unit = {unit:?}"
         ),
         (None, Some(ten)) => format!(
             "in {unit}, or {ten} times as large for another reason ({said}): no unit is written; if it is in {unit}, write unit = {unit:?}"
         ),
-        _ => return,
+        _ => return false,
     };
     notices.push(format!("column {:?}: {told}", matched.column));
     matched.evidence.push(told);
+    true
 }

@@ -92,6 +92,25 @@ fn value_a_header_that_the_slope_contradicts_is_told() {
         notices.iter().any(|told| told.contains("header says deg/s") && told.contains("unit = \"rad/s\"")),
         "{notices:?}"
     );
+    // a slope that only comes near a unit's is told as what it is: 4.4 is pounds-force of an input as well as anything
+    for (times, is_told) in [(1.03, true), (1.1, false), (1.2, false)] {
+        let (matched, notices) = judged_in(straight(times * 1f64.to_radians()), Some("deg/s"), None);
+        let told = (notices.join(" "), matched.evidence.join(" "));
+        assert_eq!(told.0.contains("what the model says in rad/s"), is_told, "{times}: {told:?}");
+        assert_eq!(
+            told.0.contains("which no usual unit of measurement explains"),
+            !is_told,
+            "{times}: {told:?}"
+        );
+    }
+    // without a header the nearest is taken still, and told with how far it is
+    let (matched, notices) = judged_in(straight(8.4), None, None);
+    assert!(matched.evidence.join(" ").contains("in rpm, by trial"), "{:?}", matched.evidence);
+    assert!(
+        notices.join(" ").contains("numbers in rpm, the nearest usual unit, would be 0.88 times"),
+        "{notices:?}"
+    );
+    assert_eq!(judged_in(straight(9.4), None, None).1, [""; 0]);
     // and what fits as it says is not; a gain that a fault makes isn't a unit, either
     for slope in [1.0, 0.8, 1.25, 3.0] {
         assert_eq!(judged_in(straight(slope), Some("deg/s"), None).1, [""; 0], "{slope}");

@@ -1,0 +1,69 @@
+//! The data set for good. It is written beside and read there as a diagnosis reads it; only then it stands where it belongs. So an import
+//! that fails leaves nothing, and its error names a log of the user's and not a file of ours.
+
+use super::Import;
+use super::sheet::Sheet;
+use super::write::{self, Found};
+use crate::error::Error;
+use crate::observe;
+use orchestrator::Fmu;
+use orchestrator::fmu::Bench;
+use std::path::Path;
+
+/// Writes the data set and gives a line for each guess, and what a diagnosis will note of it.
+pub(super) fn settle(
+    asked: &Import<'_>,
+    out: &Path,
+    unit: &Fmu,
+    found: &Found<'_>,
+) -> Result<(Vec<String>, Vec<String>), Error> {
+    let draft = Bench::new().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+    write::folder(draft.path(), asked.fmu, unit, found)?;
+    let isolation = asked.isolated.then_some(asked.limits);
+    let problem = observe::load(draft.path(), asked.units, isolation)
+        .map_err(|error| of_logs(error, draft.path(), found.sheets))?;
+    let is_new = !out.exists();
+    let guesses = write::folder(out, asked.fmu, unit, found).inspect_err(|_| {
+        if is_new {
+            // what is left is told by the error itself
+            let _ = std::fs::remove_dir_all(out);
+        }
+    })?;
+    Ok((guesses, problem.notices.iter().map(ToString::to_string).collect()))
+}
+
+/// An error of a data set in a temporary folder, as one of the logs that it was made of.
+fn of_logs(error: Error, folder: &Path, sheets: &[Sheet]) -> Error {
+    let runs: Vec<_> = (sheets.iter().enumerate()).map(|(at, sheet)| (write::run(at), sheet)).collect();
+    let in_logs = |text: &str| {
+        let named = runs.iter().fold(text.to_owned(), |text, (run, sheet)| {
+            let log = sheet.path.display().to_string();
+            text.replace(&folder.join(run).display().to_string(), &log)
+        });
+        named.replace(&folder.display().to_string(), "the data set")
+    };
+    match error {
+        Error::Manifest { path, line, problem } => {
+            let problem = in_logs(&problem);
+            match runs.iter().find(|(run, _)| folder.join(run) == path) {
+                Some((_, sheet)) => {
+                    Error::Manifest { path: sheet.path.clone(), line: sheet.line_of(line), problem }
+                }
+                None => Error::Nominal(format!("no data set can be made of these logs: {problem}")),
+            }
+        }
+        Error::NothingUsable { mut notices, .. } => {
+            for notice in &mut notices {
+                if let Some((_, sheet)) = runs.iter().find(|(run, _)| *run == notice.file) {
+                    (notice.file, notice.line) =
+                        (sheet.path.display().to_string(), sheet.line_of(notice.line));
+                }
+            }
+            let path = sheets.first().map(|sheet| sheet.path.clone()).unwrap_or_default();
+            Error::NothingUsable { path, notices }
+        }
+        Error::Nominal(problem) => Error::Nominal(in_logs(&problem)),
+        Error::Model(problem) => Error::Model(in_logs(&problem)),
+        other => other,
+    }
+}

@@ -126,3 +126,19 @@ def test_a_damper_is_fitted_by_the_acceleration_that_it_makes(tmp_path, seed):
     # three of its standard deviations, a half interval being two
     assert abs(found["effects"][0]["value"] - truth) < 0.75 * (high - low), (truth, found["effects"])
     assert found["verdict"] == "named", found["verdict"]
+
+
+@pytest.mark.parametrize("name", ["motor", "drive", "valve"])
+def test_timestamps_that_scatter_are_no_missing_effect(tmp_path, name):
+    """Each row's time is off by a twentieth of a row. A held command that steps at such a row acts so much later or earlier, which the states
+    remember from there on: all three were unknown, with events at the steps. States of two of them are read through the rows that follow."""
+    folder, random = made(name, "none", 57, tmp_path), np.random.default_rng(7)
+    for path in sorted(folder.glob("run-*.csv")):
+        with path.open(newline="") as file:
+            head, *rows = csv.reader(file)
+        times = np.array([float(row[0]) for row in rows])
+        times[1:] += 0.05 * np.median(np.diff(times)) * random.standard_normal(len(times) - 1)
+        stamped = [[f"{time:.9g}", *row[1:]] for time, row in zip(times, rows, strict=True)]
+        path.write_text("\n".join(",".join(row) for row in [head, *stamped]) + "\n")
+    found = diagnosed(folder)
+    assert found["verdict"] == "none", [found["effects"], found["unknown"]]

@@ -219,7 +219,7 @@ const FAULTS: &[(&str, &str, &str)] = &[
         "dataset.toml:28: range = [0.01, 0.05]: the neutral value 0",
     ),
     ("range = [0, 5e-2]", "range = [1.0]", "dataset.toml:28: range: two numbers are wanted"),
-    ("range = [0, 5e-2]", "range = [-1, 5e-2]", "dataset.toml:28: range = [-1, 0.05]: the unit takes 0"),
+    ("range = [0, 5e-2]", "range = [-2, -1]", "dataset.toml:28: range = [-2, -1]: the neutral value 0"),
     ("range = [0, 5e-2]", "neutral = -1.0", "dataset.toml:28: neutral = -1.0: the unit takes 0"),
     (
         "range = [0.5, 2.0]",
@@ -333,4 +333,20 @@ fn value_times_of_a_clock_count_from_the_first_row() {
     let late = log.replace("17000000000", "10");
     let problem = load(set, &late, B, "late").unwrap_or_else(|error| panic!("{error}"));
     assert!((problem.runs[0].series[0].time[0] - 1.0).abs() < 1e-12, "{:?}", problem.runs[0].series[0].time);
+}
+
+#[test]
+fn value_a_range_beyond_the_units_is_cut_and_told() {
+    let set = SET.replace("range = [0, 5e-2]", "range = [-1, 5e-2]");
+    let problem = load(&set, A, B, "cut").unwrap_or_else(|error| panic!("{error}"));
+    assert!(problem.candidates.iter().any(|candidate| candidate.range == (0.0, 5e-2)));
+    assert!(
+        problem.notices.iter().any(|notice| {
+            notice.line == 28
+                && notice.message.contains("the unit takes 0")
+                && notice.message.contains("[0, 0.05]")
+        }),
+        "{:?}",
+        problem.notices
+    );
 }

@@ -208,15 +208,28 @@ fn range(
         return Err(wrong("the smaller value first".into()));
     }
     let holds = |(low, high): (f64, f64)| low <= neutral && neutral <= high;
-    let within = |range: (f64, f64)| match lies_in(range, described) {
-        true => Ok(range),
-        false => Err(wrong(beyond(variable))),
-    };
+    let line = file.line(&given.span());
+    let mut tell = |message: String| notices.push(Notice { file: "dataset.toml".into(), line, message });
     // 0 of a saturation is none, wherever its values begin
-    if scale == Scale::Saturation {
-        return within((if low == 0.0 { described.0.max(low) } else { low }, high)).map(|_| (low, high));
-    }
-    if holds((low, high)) {
+    let is_none = |low: f64| scale == Scale::Saturation && low == 0.0;
+    let mut within = |(low, high): (f64, f64)| {
+        if lies_in((if is_none(low) { described.0 } else { low }, high), described) {
+            return Ok((low, high));
+        }
+        let cut = (if is_none(low) { low } else { low.max(described.0) }, high.min(described.1));
+        if cut.0 >= cut.1 || scale != Scale::Saturation && !holds(cut) {
+            return Err(wrong(beyond(variable)));
+        }
+        tell(format!(
+            "range = [{low}, {high}] of {}: {}, and values are looked for in [{}, {}]",
+            variable.name,
+            beyond(variable),
+            cut.0,
+            cut.1
+        ));
+        Ok(cut)
+    };
+    if holds((low, high)) || scale == Scale::Saturation {
         return within((low, high));
     }
     let ordered = |one: f64, other: f64| (one.min(other), one.max(other));
@@ -235,6 +248,6 @@ fn range(
         variable.name, range.0, range.1
     );
     let range = within(range)?;
-    notices.push(Notice { file: "dataset.toml".into(), line: file.line(&given.span()), message });
+    tell(message);
     Ok(range)
 }

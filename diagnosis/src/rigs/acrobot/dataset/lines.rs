@@ -28,14 +28,14 @@ fn place(table: &DeTable<'_>, name: &str) -> Option<usize> {
     })
 }
 
-/// The first key of a `[[run]]` that is none of some: its line, and the key.
-pub(super) fn strange_key(text: &str, known: &[&str]) -> Option<(usize, String)> {
-    let root = DeTable::parse(text).ok()?;
-    let runs = root.get_ref().get("run")?.get_ref().as_array()?;
-    let keys = runs.iter().filter_map(|run| run.get_ref().as_table()).flat_map(|run| run.iter());
+/// The keys of `[[run]]`s that are none of some, each with its line.
+pub(super) fn strange_keys(text: &str, known: &[&str]) -> Vec<(usize, String)> {
+    let Ok(root) = DeTable::parse(text) else { return Vec::new() };
+    let runs = root.get_ref().get("run").and_then(|runs| runs.get_ref().as_array());
+    let runs = runs.into_iter().flat_map(|runs| runs.iter());
+    let keys = runs.filter_map(|run| run.get_ref().as_table()).flat_map(|run| run.iter());
     let strange = keys.map(|(key, _)| key).filter(|key| !known.contains(&key.get_ref().as_ref()));
-    let first = strange.min_by_key(|key| key.span().start)?;
-    Some((line(text, first.span().start), first.get_ref().to_string()))
+    strange.map(|key| (line(text, key.span().start), key.get_ref().to_string())).collect()
 }
 
 fn line(text: &str, at: usize) -> usize {
@@ -44,7 +44,7 @@ fn line(text: &str, at: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{line_in, strange_key};
+    use super::{line_in, strange_keys};
 
     #[test]
     fn value_every_way_to_write_a_name_has_its_line() {
@@ -56,9 +56,9 @@ mod tests {
     }
 
     #[test]
-    fn value_the_first_key_of_a_run_that_is_none() {
+    fn value_keys_of_runs_that_are_none() {
         let text = "format = 1\n[[run]]\ndir = \"a\"\n[[run]]\ndir = \"b\"\nstrat = 3\n";
-        assert_eq!(strange_key(text, &["dir"]), Some((6, "strat".to_owned())));
-        assert_eq!(strange_key(text, &["dir", "strat"]), None);
+        assert_eq!(strange_keys(text, &["dir"]), [(6, "strat".to_owned())]);
+        assert_eq!(strange_keys(text, &["dir", "strat"]), []);
     }
 }

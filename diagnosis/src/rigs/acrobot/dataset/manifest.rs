@@ -9,8 +9,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
 
-/// What a `[[run]]` may hold. Those behind `dir` are notes for people.
+/// What a `[[run]]` holds: those behind `dir` are notes for people, and so is any other key that is none of these mistyped.
 const RUN_KEYS: [&str; 3] = ["dir", "description", "excitation"];
+/// How advice begins where a name is near to a known one.
+const MEANT: &str = "did you mean";
 
 /// What the file may hold at its top.
 const KEYS: [&str; 6] = ["format", "scenario", "set", "noise", "log", "run"];
@@ -49,10 +51,11 @@ impl Manifest {
                 format!("`{key}` is nothing that a data set has; {}", nearest(key, KEYS.into_iter()));
             return Err(file.wrong(file.line_of(key), problem));
         }
-        if let Some((line, key)) = lines::strange_key(&text, &RUN_KEYS) {
-            let problem =
-                format!("`{key}` is nothing that a [[run]] has; {}", nearest(&key, RUN_KEYS.into_iter()));
-            return Err(file.wrong(line, problem));
+        for (line, key) in lines::strange_keys(&text, &RUN_KEYS) {
+            let advice = nearest(&key, RUN_KEYS.into_iter());
+            if advice.starts_with(MEANT) {
+                return Err(file.wrong(line, format!("`{key}` is nothing that a [[run]] has; {advice}")));
+            }
         }
         let scenario = match root.get("scenario") {
             Some(Value::String(name)) => name.clone(),

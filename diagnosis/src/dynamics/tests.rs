@@ -131,7 +131,8 @@ fn law_timestamps_that_are_late_are_a_delay_of_what_is_fed() {
         // of the rates, which end as far off as the input acts late; over a third of a row the machine bends by a thousandth
         assert!((late - delay).abs() < 1e-2 * largest, "{late} against {delay}");
     }
-    assert_eq!(run.late(0), [0.0; 4], "nothing is known of what was fed before the log");
+    // before the log its first value held: an interval that is cut elsewhere ends the same to rounding of a difference over 6 ms
+    assert!(run.late(0).iter().all(|late| late.abs() < 1e-6 * largest), "{:?} of {largest}", run.late(0));
 }
 
 #[test]

@@ -12,19 +12,28 @@ pub(crate) fn line_of(path: &Path, name: &str) -> usize {
 
 fn line_in(text: &str, name: &str) -> usize {
     let Ok(root) = DeTable::parse(text) else { return 1 };
-    let at = place(root.get_ref(), name).unwrap_or(0);
+    let at = place(root.get_ref(), name).or_else(|| table_of(root.get_ref(), name)).unwrap_or(0);
     line(text, at)
 }
 
-/// Where a key begins, or the table that holds it.
+/// Where a key begins.
 fn place(table: &DeTable<'_>, name: &str) -> Option<usize> {
     table.iter().find_map(|(key, value)| {
         let rest = name.strip_prefix(key.get_ref().as_ref())?;
         match (rest.strip_prefix('.'), value.get_ref()) {
             (None, _) => rest.is_empty().then(|| key.span().start),
-            (Some(rest), DeValue::Table(inner)) => place(inner, rest).or(Some(key.span().start)),
+            (Some(rest), DeValue::Table(inner)) => place(inner, rest),
             (Some(_), _) => None,
         }
+    })
+}
+
+/// Where the table begins that would hold a key.
+fn table_of(table: &DeTable<'_>, name: &str) -> Option<usize> {
+    table.iter().find_map(|(key, value)| {
+        let rest = name.strip_prefix(key.get_ref().as_ref())?.strip_prefix('.')?;
+        let DeValue::Table(inner) = value.get_ref() else { return None };
+        table_of(inner, rest).or(Some(key.span().start))
     })
 }
 

@@ -64,16 +64,15 @@ def regressed(path):
     return min(found)[1:]
 
 
-def test_friction_and_lateness_of_a_pendulum_are_those_of_a_regression(diagnosed):
+def test_friction_of_a_pendulum_is_that_of_a_regression(diagnosed):
     said, diagnosis = diagnosed("pendulum")
     assert said.count("sign as logged") == 3, said
     delay, friction = regressed(EXAMPLES / "pendulum" / "logs" / "ddp.csv")
     # two ways that treat the same noise differently: 0.18 and 0.20 N.m
     assert abs(named(diagnosis, "pendulum.fc")["value"] / friction - 1) < 0.25
-    assert diagnosis["verdict"] == "unknown" and len(diagnosis["effects"]) == 2
-    # the second is small, and beside what has no name several do as well: the regression's 18 ms are among them
-    other = next(effect for effect in diagnosis["effects"] if effect["name"] != "pendulum.fc")
-    assert delay > 0.01 and "pendulum.torque:delay" in other["class"], other
+    # late by 18 ms, says the regression; beside what has no name the scatter of timestamps does as much as a delay
+    assert diagnosis["verdict"] == "unknown" and len(diagnosis["effects"]) == 1
+    assert delay > 0.01
 
 
 def test_what_a_pendulum_lacks_follows_it_on_a_log_that_was_left_out(diagnosed):

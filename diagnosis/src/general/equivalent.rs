@@ -48,7 +48,10 @@ pub fn equivalent(
         return Ok((None, Some(text.into())));
     }
     if !crate::dynamics::plain(&studied.built.engine.machine, &studied.fit.at.theta) {
-        return Ok((None, Some("a sensor lags: the amended scenario leaves the unlisted input out".into())));
+        return Ok((
+            None,
+            Some("an input or a sensor lags: the amended scenario leaves the unlisted input out".into()),
+        ));
     }
     let own = &studied.built.engine;
     let inputs = free_inputs(studied, driven);

@@ -36,9 +36,13 @@ pub(super) fn settle(
 fn of_logs(error: Error, folder: &Path, sheets: &[Sheet]) -> Error {
     let runs: Vec<_> = (sheets.iter().enumerate()).map(|(at, sheet)| (write::run(at), sheet)).collect();
     let in_logs = |text: &str| {
-        let named = runs.iter().fold(text.to_owned(), |text, (run, sheet)| {
-            let log = sheet.path.display().to_string();
-            text.replace(&folder.join(run).display().to_string(), &log)
+        // marks first: a log of the user's may be called like a run of ours
+        let mark = |at: usize| format!("\0{at}\0");
+        let marked = runs.iter().enumerate().fold(text.to_owned(), |text, (at, (run, _))| {
+            text.replace(&folder.join(run).display().to_string(), &mark(at)).replace(run, &mark(at))
+        });
+        let named = runs.iter().enumerate().fold(marked, |text, (at, (_, sheet))| {
+            text.replace(&mark(at), &sheet.path.display().to_string())
         });
         named.replace(&folder.display().to_string(), "the data set")
     };
@@ -65,5 +69,31 @@ fn of_logs(error: Error, folder: &Path, sheets: &[Sheet]) -> Error {
         Error::Nominal(problem) => Error::Nominal(in_logs(&problem)),
         Error::Model(problem) => Error::Model(in_logs(&problem)),
         other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::heads::header;
+
+    #[test]
+    fn value_an_error_names_the_users_logs_whatever_they_are_called() {
+        let sheet = |path: &str| Sheet {
+            path: path.into(),
+            columns: vec![header("time")],
+            rows: vec![],
+            lines: (1, vec![]),
+            dialect: None,
+            clock: None,
+            told: vec![],
+        };
+        let sheets = [sheet("rig/run-02.csv"), sheet("rig/b.csv")];
+        let told =
+            |problem: &str| of_logs(Error::Nominal(problem.into()), Path::new("/tmp/d"), &sheets).to_string();
+        assert!(
+            told("a of run-01.csv, b of /tmp/d/run-02.csv").ends_with("a of rig/run-02.csv, b of rig/b.csv")
+        );
+        assert!(told("all of /tmp/d are bad").ends_with("all of the data set are bad"));
     }
 }

@@ -22,14 +22,14 @@ PROGRAM = Path(__file__).resolve().parents[2] / "target" / "release" / "acroscop
 @pytest.fixture(scope="module")
 def units(tmp_path_factory):
     folder = tmp_path_factory.mktemp("units")
-    return {name: ALL[name].build(ALL[name], folder) for name in ("motor", "cell")}
+    return {name: ALL[name].build(ALL[name], folder) for name in ("motor", "cell", "cart")}
 
 
 @pytest.fixture(scope="module")
 def honest(tmp_path_factory, units):
     """A set of each machine of which the model lacks nothing. Seeds whose times are in s."""
     folder = tmp_path_factory.mktemp("doubts")
-    for name, seed in (("motor", 33), ("cell", 31)):
+    for name, seed in (("motor", 33), ("cell", 31), ("cart", 32)):
         sets.make(ALL[name], "none", seed, folder / name, folder / "answers", units)
         path = folder / name / "dataset.toml"
         if '"ms"' in path.read_text():
@@ -140,6 +140,19 @@ def test_the_sign_of_an_output(taken, name, variable, log, scale):
 def test_another_unit_of_measurement(taken, name, variable, said, unit):
     """As someone writes who takes the log to be in the model's unit: degrees for radians, mV for V, degC for K."""
     folder = taken(name)
+    written(folder, variable, f'unit = "{said}"')
+    refused(folder, f"{variable} (column ", f") in {unit}", f'unit = "{unit}"')
+    written(folder, variable, f'unit = "{unit}"')
+    goes_on(folder)
+
+
+@pytest.mark.parametrize(("variable", "log", "said", "unit", "size"), [
+    ("cart.x_cart", "x_cart", "mm", "inch", 1 / 25.4),
+    ("cart.force", "force_cmd", "N", "lbf", 1e-3 / 4.4482216152605),
+])  # fmt: skip
+def test_a_unit_outside_the_si(taken, variable, log, said, unit, size):
+    """An inch that is taken for a millimetre, a pound-force for a newton."""
+    folder = changed(taken("cart"), column(log, size))
     written(folder, variable, f'unit = "{said}"')
     refused(folder, f"{variable} (column ", f") in {unit}", f'unit = "{unit}"')
     written(folder, variable, f'unit = "{unit}"')

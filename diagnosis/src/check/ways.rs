@@ -32,9 +32,9 @@ pub(super) struct Way {
 }
 
 /// Units that logs are written in, beside the model's own and those with a prefix.
-const USUAL: [&str; 16] = [
+const USUAL: [&str; 21] = [
     "degC", "degF", "deg", "deg/s", "rpm", "km/h", "cm", "bar", "%", "K", "mm", "mN.m", "mA.h", "W.h", "l",
-    "g",
+    "g", "inch", "ft", "lbf", "psi", "mile/h",
 ];
 /// Prefixes that loggers put before the model's unit.
 const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];

@@ -19,6 +19,13 @@ const PLANTED: &[Planted] = &[
     ("<Real/>", "<Real/><Integer/>", "schema", Error, None),
     ("<LogCategories>", "<ModelStructure/><LogCategories>", "schema", Error, None),
     ("  </ModelVariables>", "", "well-formed", Error, None),
+    // what readers that go by the letter refuse
+    ("</fmiModelDescription>", "</fmiModelDescription>more", "well-formed", Error, None),
+    ("<fmiModelDescription", "more<fmiModelDescription", "well-formed", Error, None),
+    ("fmiVersion=\"2.0\"", "author=\"a<b\" fmiVersion=\"2.0\"", "well-formed", Error, None),
+    ("fmiVersion=\"2.0\"", "author=\"\u{1}\" fmiVersion=\"2.0\"", "well-formed", Error, None),
+    ("fmiVersion=\"2.0\"", "none:author=\"a\" fmiVersion=\"2.0\"", "well-formed", Error, None),
+    ("<LogCategories>", "<!-- a -- b --><LogCategories>", "well-formed", Error, None),
     ("guid=\"{fault-0}\"", "guid=\"\"", "identity", Error, None),
     ("modelIdentifier=\"unit\"", "modelIdentifier=\"../unit\"", "identity", Error, None),
     ("canGetAndSetFMUstate=\"true\"", "", "capabilities", Error, None),

@@ -10,9 +10,15 @@ use crate::xml::Element;
 use orchestrator::nearest;
 use tables::{Group, ROOT, Shape};
 
+/// Whether it is XML. Our own reader goes on where it can; one that goes by the letter says what other readers refuse.
 pub(super) fn well_formed(file: &File<'_>, found: &mut Found) {
     if let Some(Err((line, what))) = file.tree {
-        found.error_at(*line, what);
+        return found.error_at(*line, what);
+    }
+    let Ok(Ok(text)) = &file.archive.description else { return };
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    if let Err(error) = roxmltree::Document::parse_with_options(text, options) {
+        found.error_at(error.pos().row as usize, error);
     }
 }
 

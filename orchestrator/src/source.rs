@@ -17,6 +17,11 @@ impl Signal {
         Self { shape, points, segment: 0 }
     }
 
+    /// Its table, in order of time.
+    pub(crate) fn points(&self) -> &[(f64, f64)] {
+        &self.points
+    }
+
     /// It jumps from value to value.
     pub(crate) fn holds(&self) -> bool {
         self.shape == Shape::Hold

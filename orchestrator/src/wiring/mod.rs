@@ -7,12 +7,13 @@ mod names;
 mod order;
 mod overwritten;
 mod record;
+mod signals;
 mod ticks;
 
-pub use check::table;
 pub(crate) use check::{expected, item, start_value};
 pub(crate) use names::{Names, Variable};
 pub(crate) use overwritten::overwriting;
+pub use signals::table;
 pub(crate) use ticks::clock;
 
 use crate::algorithm::Needs;
@@ -357,9 +358,8 @@ fn sources(
             };
             let typed = check::from_toml(variable, value)
                 .ok_or_else(|| wrong((format!("value = {value}"), expected())))?;
-            if typed.as_f64().is_some_and(|number| !number.is_finite()) {
-                return Err(wrong((format!("value = {value}"), "a finite number".into())));
-            }
+            check::start_value(variable, &typed)
+                .map_err(|expected| wrong((format!("value = {value}"), expected)))?;
             // The start value holds for ever, since nothing else drives the input.
             sets[to.0].retain(|(known, _)| *known != to.1);
             constant = Some(typed.clone());
@@ -372,8 +372,9 @@ fn sources(
         if constant.is_some() && kind == Kind::String {
             continue;
         }
-        let signal = check::signal(&entry.signal, variable, constant.as_ref(), scenario.folder());
+        let signal = signals::signal(&entry.signal, variable, constant.as_ref(), scenario.folder());
         let signal = signal.map_err(wrong)?;
+        notices.extend(signals::beyond(&signal, &entry.to, variable).filter(|_| constant.is_none()));
         all.push(Source { to, signal });
     }
     Ok(all)

@@ -192,7 +192,7 @@ def test_what_the_model_lacks_is_no_doubt(tmp_path, units, name, case):
     assert diagnosed(tmp_path / "set")[0] == 0
 
 
-@pytest.mark.parametrize("gain", [-0.5, 2.0, -0.8])
+@pytest.mark.parametrize("gain", [-0.5, 2.0, pytest.param(-0.8, marks=pytest.mark.long)])
 def test_a_gain_that_is_no_sign_is_no_doubt(taken, gain):
     """An input, or a sensor, of half or twice its size, even turned: no sign or unit explains it, so that the search must."""
     folder = changed(taken("motor"), column("u_cmd", 1 / gain))

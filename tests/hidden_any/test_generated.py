@@ -42,6 +42,7 @@ def test_the_last_part_of_a_single_run_is_simulated_from_its_begin(tmp_path):
     assert said["gap"]["closed"] > 0.95, said["gap"]
 
 
+@pytest.mark.long
 def test_a_name_that_widens_the_gap_beside_something_unlisted_is_withdrawn(tmp_path):
     motor = ALL["motor"]
     runs = sets.Runs(motor, np.random.default_rng(5), 7)
@@ -101,6 +102,7 @@ def test_a_sensors_lag_below_a_row_is_not_called_a_delay(tmp_path):
     assert said["effects"][0]["name"] == "motor.w:lag", said["effects"]
 
 
+@pytest.mark.long
 def test_effects_that_stand_for_parts_of_pushes_are_not_collected(tmp_path):
     said = diagnosed(ALL["car"], "door", 613, tmp_path)
     assert said["verdict"] == "unknown" and said["effects"] == [], said["effects"]
@@ -108,6 +110,7 @@ def test_effects_that_stand_for_parts_of_pushes_are_not_collected(tmp_path):
     assert not any("explains" in line for line in said["story"]), said["story"]
 
 
+@pytest.mark.long
 def test_long_logs_are_searched_in_stretches_first(tmp_path):
     said = diagnosed(dataclasses.replace(ALL["motor"], duration=60.0), "fc", 3, tmp_path)
     assert [effect["name"] for effect in said["effects"]] == ["motor.fc"], said["effects"]

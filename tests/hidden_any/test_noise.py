@@ -57,6 +57,7 @@ def test_noise_of_a_measured_input_is_nothing_that_the_model_lacks(made, name, f
     assert any("noise of the logged inputs" in line for line in found["story"]), found["story"]
 
 
+@pytest.mark.long
 def test_pushes_that_nobody_lists_are_unknown_beside_noise_of_the_input(made):
     assert told(changed(made("cart", "door"), with_noise("force")))["verdict"] == "unknown"
 

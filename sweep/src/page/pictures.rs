@@ -25,8 +25,8 @@ struct Varied {
 pub(super) fn draw(page: &mut Page, plan: &Plan, columns: &Columns) -> Result<(), Error> {
     for (at, scalar) in plan.scalars.iter().enumerate() {
         let values = &columns.scalars[at];
-        if values.iter().all(|value| value.is_nan()) {
-            page.heading(&scalar.name).text(&format!("No case has a value: {}.", words(plan, at)));
+        if !values.iter().any(|value| value.is_finite()) {
+            page.heading(&scalar.name).text(&format!("No case has a finite value: {}.", words(plan, at)));
             continue;
         }
         let pictures = match plan.sampler.design() {

@@ -150,7 +150,13 @@ impl Blocks {
         Ok(())
     }
 
-    /// Reads all of them; false if a real is not finite.
+    /// As [`Blocks::get`], where the unit was not entered: outside the loop of steps.
+    #[cold]
+    pub(crate) fn read(&self, instance: &mut Instance, values: &mut Values) -> Result<bool, Box<Error>> {
+        crate::guard::within(instance.label(), || self.get(instance, values))
+    }
+
+    /// Reads all of them; false if a real is not finite. Of a unit that was entered.
     #[inline(always)]
     pub(crate) fn get(&self, instance: &mut Instance, values: &mut Values) -> Result<bool, Box<Error>> {
         let Self { reals, integers, booleans, strings, mixed, .. } = self;

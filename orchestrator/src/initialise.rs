@@ -127,7 +127,7 @@ pub(crate) fn initialise(
     for unit in &mut system.units {
         let mut finite = true;
         for blocks in [&unit.inputs, &unit.outputs, &unit.fixed] {
-            finite &= blocks.get(&mut unit.instance, &mut system.values).map_err(|error| *error)?;
+            finite &= blocks.read(&mut unit.instance, &mut system.values).map_err(|error| *error)?;
         }
         if !finite {
             unit.not_finite(&system.values, start.time).map_err(|error| *error)?;

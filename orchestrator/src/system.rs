@@ -246,7 +246,7 @@ impl Unit {
     /// Reads what stays as it is while nobody changes a tunable parameter.
     #[cold]
     pub(crate) fn read_fixed(&mut self, values: &mut Values, time: f64) -> Result<(), Box<Error>> {
-        match self.fixed.get(&mut self.instance, values)? {
+        match self.fixed.read(&mut self.instance, values)? {
             true => Ok(()),
             false => self.not_finite(values, time),
         }
@@ -310,7 +310,7 @@ fn not_ok(unit: &mut Unit, status: Status, values: &mut Values) -> Result<(), Er
         let last = unit.instance.last_successful_time();
         if unit.instance.wants_to_end() {
             // What it reached is the last row.
-            unit.outputs.get(&mut unit.instance, values).map_err(|error| *error)?;
+            unit.outputs.read(&mut unit.instance, values).map_err(|error| *error)?;
             return Err(Error::Terminated { unit: unit.name.clone(), time: last.unwrap_or(unit.begin) });
         }
         if unit.rollback.retry && unit.retry(values).map_err(|error| *error)? {

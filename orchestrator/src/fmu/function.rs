@@ -57,4 +57,5 @@ functions! {
     GetRealOutputDerivatives,
     GetRealStatus,
     GetBooleanStatus,
+    GetVersion,
 }

@@ -3,6 +3,7 @@
 mod lasting;
 
 use crate::error::Error;
+use crate::fmu::Function;
 use crate::fmu::control_word;
 use crate::guard::{self, Label};
 use lasting::Before;
@@ -148,7 +149,8 @@ impl Library {
             .map_err(|symbol| failed(format!("the library lacks the function {symbol}")))?;
         if let Some(get_version) = functions.get_version {
             // SAFETY: fmi2GetVersion takes nothing and returns a static string.
-            let version = crate::fmu::logger::owned(unsafe { get_version() });
+            let call = || unsafe { get_version() };
+            let version = crate::fmu::logger::owned(guard::around(label, Function::GetVersion, call));
             if !version.starts_with("2.") {
                 return Err(failed(format!("the library is of FMI version {version}; needed is 2.0")));
             }

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::line::{Line, LineState};
 use crate::recorder::Position;
 use crate::simulation::{Phase, Simulation};
-use crate::system::Point;
+use crate::system::{Point, Unit};
 use crate::text::Text;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -114,7 +114,7 @@ impl Simulation {
         let units = match self.sums.get() {
             Some(units) => units,
             None => {
-                let units = self.units_by_content()?;
+                let units = format!("{}\n{}", self.units_by_content()?, self.signals_by_content());
                 self.sums.get_or_init(|| units)
             }
         };
@@ -127,13 +127,26 @@ impl Simulation {
         Ok(format!("{}\n{units}", resolved.replacen(words, "", 1)))
     }
 
+    /// A line a unit that signals are fed to: the checksum of all their values, since a file of measured ones may have changed.
+    fn signals_by_content(&self) -> String {
+        let fed = self.wiring.system.units.iter().filter(|unit| !unit.feeds.is_empty());
+        let line = |unit: &Unit| {
+            let points = unit.feeds.iter().flat_map(|feed| feed.signal.points());
+            let bytes = points.flat_map(|(time, value)| [time.to_le_bytes(), value.to_le_bytes()].concat());
+            format!(
+                "unit {}: values fed from outside, of checksum {}…",
+                unit.name,
+                checksum(&bytes.collect::<Vec<_>>())
+            )
+        };
+        fed.map(line).collect::<Vec<_>>().join("\n")
+    }
+
     /// A line a unit: its GUID, and the checksum of its file, since a GUID need not tell two builds apart.
     fn units_by_content(&self) -> Result<String, Error> {
         let line = |((name, description), path): ((&str, &crate::fmu::Description), &PathBuf)| {
             let bytes = std::fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?;
-            let sum: String =
-                Sha256::digest(bytes).iter().take(6).map(|byte| format!("{byte:02x}")).collect();
-            Ok(format!("unit {name}: GUID {}, file of checksum {sum}…", description.guid))
+            Ok(format!("unit {name}: GUID {}, file of checksum {}…", description.guid, checksum(&bytes)))
         };
         let lines: Result<Vec<String>, Error> = self.units().zip(&self.wiring.files).map(line).collect();
         Ok(lines?.join("\n"))
@@ -248,6 +261,11 @@ impl Simulation {
         self.now = Point { ticks: checkpoint.ticks, time: checkpoint.time };
         Ok(())
     }
+}
+
+/// The first digits of one: enough to tell two files apart.
+fn checksum(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().take(6).map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The first line in which two runs differ.

@@ -316,6 +316,22 @@ fn law_a_saved_state_leads_on_to_the_same_bits() {
 }
 
 #[test]
+fn bad_input_a_table_that_changed_since_the_checkpoint_is_told() {
+    let units = Units::new();
+    let text = "format = 1\nexperiment = { stop = 1 }\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.5\n\
+                [[sources]]\nto = \"a.u1\"\nkind = \"csv\"\nfile = \"u.csv\"\ncolumn = \"u\"\n";
+    let scenario = Scenario::parse(text, units.path().join("s.toml")).expect("a scenario");
+    let build = |table: &str| {
+        std::fs::write(units.path().join("u.csv"), table).expect("writable");
+        Simulation::new(&scenario, &units.unit_path()).expect("builds")
+    };
+    let state = build("time,u\n0,1\n1,3\n").save().expect("it can be saved");
+    build("time,u\n0,1.0\n\n1,3\n").go_back(&state).expect("the same values");
+    let told = build("time,u\n0,5\n1,3\n").go_back(&state).expect_err("others").to_string();
+    assert!(told.contains("this one differs: `unit a: values fed from outside, of checksum "), "{told}");
+}
+
+#[test]
 fn law_an_input_is_released_from_what_drives_it() {
     let units = Units::new();
     let path = units.unit_path();

@@ -196,6 +196,11 @@ fn every_fault_names_document_line_and_element() {
             Package::new("1.0", &two(["m", "K"], FORWARD)).refused(),
             ["b.u", "a value in m for one in K", "same quantity"],
         ),
+        // a name that nobody defines is no reason to pass a number as it is
+        (
+            Package::new("1.0", &two(["m", "furlong"], FORWARD)).refused(),
+            ["b.u", "a value in m for one in furlong", "a Unit furlong among the package's Units"],
+        ),
         (
             with("resources/effects.fmu", "resources/effect.fmu"),
             ["test.ssp", "no \"resources/effect.fmu\"", "effects.fmu"],

@@ -195,7 +195,8 @@ fn set(
     let suppress = bound.mapped.as_ref().is_some_and(|mapped| mapped.suppress);
     let mut value = bound.parameter.value.clone();
     if let (Written::Real(number), false) = (&value, suppress) {
-        let scale = Scale::of(bound.parameter.unit.clone()).into_unit(unit.clone()).map_err(wrong)?;
+        let written = tree.defined(end.0, bound.parameter.unit.clone());
+        let scale = Scale::of(written).into_unit(unit.clone()).map_err(wrong)?;
         value = Written::Real(scaled(*number, &scale));
     }
     if let Some(change) = bound.mapped.as_ref().and_then(|mapped| mapped.change.as_ref()) {

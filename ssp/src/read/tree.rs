@@ -333,6 +333,20 @@ fn connectors(part: &Part) -> Result<HashMap<String, Connector>, Error> {
 }
 
 impl Tree {
+    /// The same with its definition by the component's unit, where nobody else has one.
+    pub(super) fn defined(
+        &self,
+        node: usize,
+        (name, base): (Option<String>, Option<orchestrator::fmu::BaseUnit>),
+    ) -> (Option<String>, Option<orchestrator::fmu::BaseUnit>) {
+        let by_unit = || match self.nodes[node].kind {
+            Kind::Component(component) => self.components[component].description.unit(name.as_deref()?)?.base,
+            _ => None,
+        };
+        let base = base.or_else(by_unit);
+        (name, base)
+    }
+
     /// The definition of a physical unit that a connector names: the document's own, else that of the component's unit.
     pub(super) fn unit(
         &self,

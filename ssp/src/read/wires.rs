@@ -146,13 +146,24 @@ impl Scale {
         Self { gain: 1.0, bias: 0.0, unit }
     }
 
-    /// Converts to a unit, by FMI's rule: base = factor · value + offset. What has no unit is left alone.
+    /// Converts to a unit, by FMI's rule: base = factor · value + offset. What has no unit is left alone; what has one that nobody
+    /// defines can't be.
     pub(super) fn into_unit(
         self,
         unit: (Option<String>, Option<BaseUnit>),
     ) -> Result<Self, (String, String)> {
         let ((_, Some(from)), (Some(name), Some(to))) = (&self.unit, &unit) else {
-            // Without a definition of both, the number passes; the name that is known goes with it.
+            if let (Some(from), Some(to)) = (&self.unit.0, &unit.0)
+                && from != to
+            {
+                let what = format!("a value in {from} for one in {to}");
+                let unknown = if self.unit.1.is_none() { from } else { to };
+                let expected = format!(
+                    "a Unit {unknown} among the package's Units or the UnitDefinitions of the FMU, or suppressUnitConversion"
+                );
+                return Err((what, expected));
+            }
+            // One name is one unit; where only one has a name, the number passes and takes it along.
             let unit = if unit.0.is_some() { unit } else { self.unit };
             return Ok(Self { unit, ..self });
         };

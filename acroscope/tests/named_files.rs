@@ -74,3 +74,39 @@ fn a_pipe_is_called_one() {
     let text = String::from_utf8(run(folder.path(), &["check", "pipe.fmu"]).stderr).expect("UTF-8");
     assert_eq!(text, "error: pipe.fmu: it is a pipe, not a file; expected an ordinary file\n");
 }
+
+/// Each would write over what it reads; what it reads stays as it is.
+#[test]
+fn what_is_read_is_not_written_over() {
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let unit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus/acrobot_plant.fmu");
+    std::fs::copy(unit, at("plant.fmu")).expect("packed");
+    std::fs::write(at("results.csv"), "time,tau\n0,0\n1,0.1\n").expect("writable");
+    let text = "format = 1\nexperiment = { stop = 0.1 }\n[[units]]\nname = \"plant\"\nfmu = \"plant.fmu\"\ninterval = 0.05\n\
+                [[sources]]\nto = \"plant.tau\"\nkind = \"csv\"\nfile = \"results.csv\"\ncolumn = \"tau\"\n";
+    std::fs::write(at("s.toml"), text).expect("writable");
+    std::fs::write(at("resolved.toml"), text).expect("writable");
+    let names = ["plant.fmu", "results.csv", "s.toml", "resolved.toml"];
+    let read = || names.map(|name| std::fs::read(at(name)).expect("it is there"));
+    let before = read();
+    for (arguments, name) in [
+        (&["run", "s.toml", "--out", "."][..], "results.csv"),
+        (&["run", "resolved.toml", "--out", "."], "results.csv"),
+        (&["container", "s.toml", "-o", "plant.fmu"], "plant.fmu"),
+    ] {
+        let output = run(folder.path(), arguments);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+        let told = format!("{name}: it is read for this, and would be written over");
+        assert!(text.contains(&told), "{arguments:?}: {text}");
+        assert_eq!(read(), before, "{arguments:?}");
+    }
+    // its own results in a place of their own, and once more there: the resolved scenario says the same again
+    for scenario in ["s.toml", "out/resolved.toml"] {
+        let output = run(folder.path(), &["run", scenario, "--out", "out"]);
+        assert!(output.status.success(), "{scenario}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let page = run(folder.path(), &["view", "out", "-o", "out/results.csv"]);
+    assert_eq!(page.status.code(), Some(2), "{}", String::from_utf8_lossy(&page.stderr));
+}

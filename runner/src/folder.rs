@@ -64,6 +64,24 @@ impl Folder {
     }
 }
 
+/// Refuses to write over a file that is read for it.
+///
+/// # Errors
+/// Names it.
+pub fn keep(written: &[PathBuf], read: &[PathBuf]) -> Result<(), Error> {
+    // what isn't there is no file that is read
+    let found = |path: &PathBuf| std::fs::canonicalize(path).ok();
+    let read: Vec<PathBuf> = read.iter().filter_map(found).collect();
+    match written.iter().find(|path| found(path).is_some_and(|place| read.contains(&place))) {
+        None => Ok(()),
+        Some(path) => {
+            let why =
+                "it is read for this, and would be written over: name another place for what is written";
+            Err(Error::File { path: path.clone(), why: why.into() })
+        }
+    }
+}
+
 impl Drop for Folder {
     fn drop(&mut self) {
         remove_empty();

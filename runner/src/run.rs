@@ -3,7 +3,7 @@
 use crate::bar::Bar;
 use crate::cli::Run;
 use crate::error::Error;
-use crate::folder::Folder;
+use crate::folder::{self, Folder};
 use crate::request::Request;
 use crate::results::Results;
 use crate::run_report::{Finished, How, Layout, Summary};
@@ -151,6 +151,18 @@ pub fn carry_out(
     Ok(prepared.carried_out(summary, ended, timing, lateness))
 }
 
+/// Refuses a folder in which the run would write over what it is made of: its scenario, its tables, its units. A resolved scenario
+/// that says the same again may be written over.
+fn keep_inputs(arguments: &Run, simulation: &Simulation, out: &Path) -> Result<(), Error> {
+    let written: Vec<PathBuf> = FILES.iter().chain([&CHECKPOINT]).map(|name| out.join(name)).collect();
+    let mut read: Vec<PathBuf> = simulation.bundle().files.into_iter().map(|(_, path)| path).collect();
+    let scenario = PathBuf::from(&arguments.scenario);
+    if !std::fs::read(&scenario).is_ok_and(|text| text == simulation.resolved().as_bytes()) {
+        read.push(scenario);
+    }
+    folder::keep(&written, &read)
+}
+
 impl Prepared {
     /// Reads the scenario, gives it what was asked for, and builds it.
     fn new(arguments: &Run) -> Result<Self, Error> {
@@ -167,6 +179,7 @@ impl Prepared {
         isolate(&mut scenario, arguments)?;
         let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
         layout.complete(&simulation)?;
+        keep_inputs(arguments, &simulation, &shown)?;
         simulation.pace(arguments.real_time);
         let provenance = provenance::of_run(&request, &bytes, &simulation)?;
         Ok(Self { shown, out, simulation, layout, provenance })

@@ -1,7 +1,7 @@
 //! `acroscope container`: a whole scenario as one unit.
 
 use crate::cli::Containing;
-use crate::commands::ssp::{named, write};
+use crate::commands::ssp::{keep_inputs, named, write};
 use crate::error::Error;
 use orchestrator::Simulation;
 use orchestrator::fmu::Causality;
@@ -17,6 +17,7 @@ pub fn container(arguments: &Containing, quiet: bool) -> Result<(), Error> {
         scenario.set(&name, &value)?;
     }
     let simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
+    keep_inputs(output, &arguments.scenario, &simulation)?;
     let interface = container::Interface::of(&simulation);
     write(output, &container::pack(&simulation, &blank, output)?)?;
     if quiet {

@@ -3,8 +3,9 @@
 use crate::cli::Packing;
 use crate::error::Error;
 use orchestrator::Simulation;
+use runner::folder::keep;
 use runner::request::sets;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes the package.
 pub fn ssp(arguments: &Packing, quiet: bool) -> Result<(), Error> {
@@ -16,6 +17,7 @@ pub fn ssp(arguments: &Packing, quiet: bool) -> Result<(), Error> {
     }
     // Built, so that what is packed is known to run.
     let mut simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
+    keep_inputs(output, &arguments.scenario, &simulation)?;
     if arguments.delay_units {
         let (with_units, notes) = ssp::with_delay_units(&simulation);
         notes.iter().filter(|_| !quiet).for_each(|note| complain!("note: {note}"));
@@ -33,6 +35,13 @@ pub fn ssp(arguments: &Packing, quiet: bool) -> Result<(), Error> {
         );
     }
     Ok(())
+}
+
+/// Refuses a file that what is packed is made of.
+pub fn keep_inputs(output: &Path, scenario: &str, simulation: &Simulation) -> Result<(), Error> {
+    let mut read: Vec<PathBuf> = simulation.bundle().files.into_iter().map(|(_, path)| path).collect();
+    read.push(scenario.into());
+    Ok(keep(&[output.to_owned()], &read)?)
 }
 
 /// Refuses a file's name without the ending that others know such files by.

@@ -3,12 +3,16 @@
 use crate::cli::View;
 use crate::error::Error;
 use crate::serve::serve;
+use runner::folder::keep;
 use runner::signals::{self, Looking};
+use std::path::PathBuf;
 
 /// Writes the page, or serves it until a signal comes.
 pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
     let html = viewer::page(&arguments.results)?;
     if let Some(file) = &arguments.output {
+        let read = |folder: &PathBuf| ["results.csv", "resolved.toml"].map(|name| folder.join(name));
+        keep(&[file.clone()], &arguments.results.iter().flat_map(read).collect::<Vec<_>>())?;
         std::fs::write(file, html).map_err(Error::file(file))?;
         if !quiet {
             tell!("the page is {}", file.display());

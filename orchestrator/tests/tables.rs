@@ -51,6 +51,7 @@ fn bad_data_a_table_is_refused_with_its_line() {
         ("time,v\n0,1\n", "has no column \"u\" after the time"),
         ("time [ms],u\n0,1\n", "its first column, \"time [ms]\", is in ms: times in s"),
         ("t_us,u\n0,1\n", "is in us: times in s"),
+        ("time;u\n0;1,5\n", "its head is one column, \"time;u\": commas between columns"),
         ("time,u\n0,\n", "holds no values of \"u\": one row at least"),
     ] {
         let told = last(&units, SYSTEM, table).expect_err("refused");

@@ -27,7 +27,7 @@ pub struct Run {
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..1 << 40))]
     pub memory_limit: Option<u64>,
     /// Keep a checkpoint beside the results, a new one each S simulated seconds.
-    #[arg(long, value_name = "S", value_parser = above_zero)]
+    #[arg(long, value_name = "S", value_parser = above_zero, allow_negative_numbers = true)]
     pub checkpoint: Option<f64>,
     /// Go on from the checkpoint of an earlier call with the same arguments, or begin if there is none.
     #[arg(long)]

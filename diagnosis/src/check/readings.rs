@@ -190,6 +190,22 @@ pub(super) fn is_it(way: &Way, problem: &Problem, residual: &Residual, own: &Res
         && residual.is_less(way, own)
         && (is_far || way.is_sign() && turns(way, problem, own) || is_exact(way, problem, residual))
         && !by_inputs::mutes(way, problem)
+        && is_less_in_its_rows(way, problem)
+}
+
+/// Whether it is this way in the rows, too, through which the model can be followed in it. A machine that flies apart where a pressure is
+/// read with its sign turned is followed there through a few rows, and through a few any model is.
+fn is_less_in_its_rows(way: &Way, problem: &Problem) -> bool {
+    let read = way.read(problem);
+    let rows = |problem: &Problem| {
+        build(problem, &problem.whole_runs()).ok().map(|built| built.engine.rows_followed(DOUBTS.long.rows).0)
+    };
+    let Some((there, _)) = rows(&read).zip(rows(problem)).filter(|(there, own)| there < own) else {
+        return true;
+    };
+    let glance = Glance { rows: there, ..DOUBTS.long };
+    let own = residual(problem, &glance);
+    !own.is_followed() && residual(&read, &glance).is_less(way, &own)
 }
 
 /// Whether the model follows the logs better with this sign than as they are read, even where it has another gain as well.
@@ -362,5 +378,18 @@ mod tests {
         // rows that are simulated, of four states; a hundred ways are chosen from and a few are judged, with a unit of some microseconds a row
         let rows = |glance: &Glance| glance.stretches * glance.rows * glance.rounds * 5;
         assert!(100 * rows(&DOUBTS.short) < 300_000 && rows(&DOUBTS.long) < 30_000);
+    }
+
+    #[test]
+    fn law_a_way_in_which_the_model_flies_apart_must_be_better_in_its_few_rows() {
+        let problem = crate::dynamics::tests::swung("apart", 400);
+        let place = problem.channels.iter().position(|channel| channel.name.ends_with("q1"));
+        let place = place.expect("it is compared");
+        let by = |offset: f64| way(Change::Values(vec![(place, Affine { scale: 1.0, offset })]));
+        // an arm that hangs, read as one that stands: as it is read it is followed through these rows as well
+        let standing = by(std::f64::consts::PI);
+        assert!(!is_less_in_its_rows(&standing, &problem));
+        // and the other way round, the rows are more
+        assert!(is_less_in_its_rows(&by(-std::f64::consts::PI), &standing.read(&problem)));
     }
 }

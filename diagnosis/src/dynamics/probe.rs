@@ -70,7 +70,8 @@ impl Engine {
         let Some(state) = unshown else { return Ok(None) };
         let rows = self.choose_horizon()?;
         Ok(Some(notice(format!(
-            "no variable shows the state {state} again: states are read through the outputs of {rows} rows"
+            "no variable shows the state {state} where it is begun: states are read through the outputs of {}",
+            if rows == 1 { "a row".into() } else { format!("{rows} rows") }
         ))))
     }
 

@@ -160,7 +160,7 @@ impl Engine {
     }
 
     /// Of so many rows of a stretch those through which a machine that grows away from its log can be followed, and whether it does.
-    fn rows_followed(&self, rows: usize) -> (usize, bool) {
+    pub(crate) fn rows_followed(&self, rows: usize) -> (usize, bool) {
         let grid = &self.grids[0];
         let (row, last) = (grid.time.len() / 2, grid.time.len() - 1);
         let asked = rows.min(last - row).max(1);

@@ -3,15 +3,16 @@
 use super::residual;
 use super::study::Studied;
 use crate::diagnosis::Gap;
-use crate::dynamics::Machine;
 use crate::dynamics::build::Built;
+use crate::dynamics::{Engine, Machine};
 use crate::error::{Error, Notice};
 use crate::infer::Sizes;
-use crate::infer::fit::{At, Options as FitOptions, fit};
+use crate::infer::fit::{At, Fit, Options as FitOptions, fit};
 use crate::observe::Scale;
 use crate::options::Options;
 use crate::search::Policy;
 use crate::search::class::Alternative;
+use crate::search::trials::trials;
 use orchestrator::nearest;
 
 /// Fits the parameters that were asked for, and judges what is left.
@@ -25,7 +26,7 @@ pub(super) fn fit_given(
     let parameters = &built.engine.machine.parameters;
     let place = |name: &String| parameters.iter().position(|parameter| parameter.name == *name);
     let free: Vec<usize> = options.fit.iter().filter_map(place).collect();
-    let here = fit(&built.engine, start, &free, Some(sizes), &FitOptions::default())?;
+    let here = fit_limits(&built.engine, start, &free, sizes)?;
     let residual = residual::judge_residual(&built.engine, &here, sizes, &policy);
     let tells = |place: &&usize| {
         let (least, most) = parameters[**place].range;
@@ -60,6 +61,29 @@ pub(super) fn fit_given(
     let story = vec![format!("{} were fitted as asked for; {told}", options.fit.join(", "))];
     let nominal = start.paths.clone();
     Ok(Studied { effects: free, fit: here, nominal, residual, story, classes, built, policy, last: None })
+}
+
+/// The fit of these parameters. A limit that is off cuts nothing, and a little more of it doesn't either: it begins wherever the search would try
+/// it, and the best of these fits is the answer.
+fn fit_limits(engine: &Engine, start: &At, free: &[usize], sizes: &Sizes) -> Result<Fit, Error> {
+    let fitted = |at: &At| fit(engine, at, free, Some(sizes), &FitOptions::default());
+    let is_off = |place: &&usize| {
+        engine.machine.parameters[**place].scale == Scale::Saturation && start.theta[**place] == 0.0
+    };
+    let mut best = fitted(start)?;
+    for place in free.iter().filter(is_off) {
+        for chord in trials(engine, &best.at.theta, *place) {
+            let mut at = best.at.clone();
+            at.theta[*place] = chord.to;
+            // a limit that the unit can't be run with, or that leaves nothing of the log, is none
+            if let Ok(other) = fitted(&at)
+                && other.deviance < best.deviance
+            {
+                best = other;
+            }
+        }
+    }
+    Ok(best)
 }
 
 /// Whether a fit is where it began.

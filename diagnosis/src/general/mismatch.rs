@@ -114,9 +114,11 @@ fn gaps(
 ///
 /// What rows scatter by in the middle is less where they are rounded to steps as large as the noise: the median of their differences is a step or
 /// none, and the least of several orders is taken. By their squares it is as much as the noise with its rounding, and more where the machine moves
-/// within a few rows. The fit knows what the model moves, and what it lacks is not to count as noise: so no more than those.
+/// within a few rows. The fit knows what the model moves, and what it lacks is not to count as noise: so no more than those. A channel that is
+/// sampled seldom moves between any two rows, and scatters by much more than its noise. Only where the fit left next to nothing to
+/// the sensor, and all to process noise, the log's own scatter is what there is.
 fn floor(fitted: f64, scatter: &Scatter) -> f64 {
-    fitted.min(scatter.noise).max(scatter.quiet)
+    if fitted < SMALL * scatter.quiet { scatter.quiet } else { fitted.min(scatter.noise) }
 }
 
 /// The share of a gap that was closed, of squares above the noise's; nothing where there is hardly a gap: a twentieth above the noise is what
@@ -311,6 +313,8 @@ mod tests {
         assert!((floor(all, &scatter) / all - 1.0).abs() < 0.03, "{scatter:?}");
         // by the rows in the middle it was a step of a high difference or none
         assert!(scatter.quiet < 0.97 * all, "{scatter:?}");
+        // of a channel that moves between its rows the fit knows the noise
+        assert_eq!(floor(0.15 * scatter.quiet, &scatter), 0.15 * scatter.quiet);
         // what a model lacks is no noise, nor is what a fit takes for process noise none
         assert_eq!((floor(10.0 * all, &scatter), floor(0.0, &scatter)), (scatter.noise, scatter.quiet));
     }

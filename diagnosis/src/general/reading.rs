@@ -10,6 +10,7 @@ use crate::dynamics::build::{Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::error::{Error, Notice};
 use crate::observe::{Problem, Reading, Run};
+use crate::statistics::levels::CERTAIN;
 
 /// The problem with the likelier of both ways.
 ///
@@ -31,15 +32,56 @@ pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
         Ok::<_, Error>((fit_nominal(&mut built, &Trails::default())?.deviance, other))
     };
     let (before, after) = (deviance(Reading::Before)?, deviance(Reading::After)?);
-    let (mut likelier, words, by) = if before.0 <= after.0 {
-        (before.1, "before the row's inputs acted", after.0 - before.0)
-    } else {
-        (after.1, "with the row's own inputs", before.0 - after.0)
+    let by = after.0 - before.0;
+    let (mut likelier, words) = match told(by) {
+        Told::Before => (
+            before.1,
+            format!("rows were read before the row's inputs acted, which is likelier by {by:.0} of deviance"),
+        ),
+        Told::After => (
+            after.1,
+            format!("rows were read with the row's own inputs, which is likelier by {:.0} of deviance", -by),
+        ),
+        Told::Neither => (
+            after.1,
+            format!(
+                "the logs don't tell whether rows were read before or after that ({:.0} of deviance): taken as after",
+                by.abs()
+            ),
+        ),
     };
-    likelier.notices.push(Notice {
-        file: "dataset.toml".into(),
-        line: 0,
-        message: format!("{output} follows {input} at once: rows were read {words}, which is likelier by {by:.0} of deviance"),
-    });
+    let message = format!("{output} follows {input} at once: {words}");
+    likelier.notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
     Ok(likelier)
+}
+
+/// What the logs tell.
+#[derive(Debug, PartialEq)]
+enum Told {
+    Before,
+    After,
+    Neither,
+}
+
+/// By how much less the deviance is with rows that were read before. A model that lacks something prefers one or the other by chance; reading
+/// after the inputs acted is what masters do.
+fn told(by: f64) -> Told {
+    match by {
+        by if by > CERTAIN * CERTAIN => Told::Before,
+        by if by < -CERTAIN * CERTAIN => Told::After,
+        _ => Told::Neither,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_how_rows_were_read_is_told_from_four_and_a_half_deviations() {
+        assert_eq!(
+            [-22.0, -19.0, 0.0, 19.0, 22.0].map(told),
+            [Told::After, Told::Neither, Told::Neither, Told::Neither, Told::Before]
+        );
+    }
 }

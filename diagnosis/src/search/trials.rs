@@ -5,6 +5,8 @@ use crate::dynamics::linearise::{Chord, Engine};
 use crate::dynamics::machine::Role;
 use crate::observe::{InputEffect, Scale};
 use crate::ports::Kind;
+use crate::statistics::levels::SEVERAL;
+use crate::statistics::median::median;
 
 /// Chords of one parameter at its present value.
 pub fn trials(engine: &Engine, theta: &[f64], parameter: usize) -> Vec<Chord> {
@@ -40,6 +42,19 @@ pub fn interval(engine: &Engine) -> f64 {
     span / rows.max(1) as f64
 }
 
+/// Limits of an input's rate that spread its largest jump over rows, down to what it moves by in half of the rows in which it moves: a
+/// command that moves in every row is cut far below its largest jump.
+fn ramps(engine: &Engine, input: usize, jump: f64) -> Vec<f64> {
+    let row = interval(engine);
+    let mut ramps: Vec<f64> = SEARCHING.ramps.iter().map(|rows| jump / (rows * row)).collect();
+    let steps = engine.grids.iter().flat_map(|grid| grid.inputs[input].values.windows(2));
+    let moves: Vec<f64> = steps.map(|pair| (pair[1] - pair[0]).abs()).filter(|by| *by > 0.0).collect();
+    let (Some(usual), Some(&last)) = (median(moves.iter().copied()), ramps.last()) else { return ramps };
+    let lower = std::iter::successors(Some(last / SEVERAL), |rate| Some(rate / SEVERAL));
+    ramps.extend(lower.take_while(|rate| *rate * row > usual));
+    ramps
+}
+
 fn limits(engine: &Engine, parameter: usize) -> Vec<f64> {
     let described = &engine.machine.parameters[parameter];
     let largest = |input: usize| {
@@ -51,9 +66,7 @@ fn limits(engine: &Engine, parameter: usize) -> Vec<f64> {
         pairs.fold(0.0, |most: f64, pair| most.max((pair[1] - pair[0]).abs()))
     };
     match described.role {
-        Role::Input(input, InputEffect::RateLimit) => {
-            SEARCHING.ramps.iter().map(|rows| jump(input) / (rows * interval(engine))).collect::<Vec<f64>>()
-        }
+        Role::Input(input, InputEffect::RateLimit) => ramps(engine, input, jump(input)),
         Role::Input(input, _) => SEARCHING.limits.iter().map(|share| share * largest(input)).collect(),
         _ => {
             let (least, most) = described.range;

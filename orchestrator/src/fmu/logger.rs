@@ -1,6 +1,7 @@
 //! Collects what a unit logs. The C half (`logger.c`) formats; this half keeps the newest lines.
 
 use crate::fmu::Status;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fmt;
@@ -23,11 +24,23 @@ pub struct LogLine {
 
 impl fmt::Display for LogLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (category, text) = (shown(&self.category), shown(&self.text));
         match self.category.is_empty() {
-            true => write!(f, "[{}] {}", self.status, self.text),
-            false => write!(f, "[{}, {}] {}", self.status, self.category, self.text),
+            true => write!(f, "[{}] {text}", self.status),
+            false => write!(f, "[{}, {category}] {text}", self.status),
         }
     }
+}
+
+/// A text without what a terminal would obey: control characters other than new lines and tabs are written out.
+fn shown(text: &str) -> Cow<'_, str> {
+    let is_plain = |letter: char| !letter.is_control() || matches!(letter, '\n' | '\t');
+    if text.chars().all(is_plain) {
+        return text.into();
+    }
+    let one =
+        |letter: char| if is_plain(letter) { letter.into() } else { letter.escape_default().to_string() };
+    text.chars().map(one).collect::<String>().into()
 }
 
 /// The log of one instance. Its address is the `componentEnvironment` that the unit gets, and is only ever compared:
@@ -179,6 +192,14 @@ unsafe extern "C" {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_a_units_words_don_t_command_the_terminal() {
+        let line = |text: &str| {
+            LogLine { status: Status::Ok, category: String::new(), text: text.into() }.to_string()
+        };
+        assert_eq!(line("a\u{1b}[2Jb\r\n\tc \u{e4}"), "[ok] a\\u{1b}[2Jb\\r\n\tc \u{e4}");
+    }
 
     /// One at a time: a line for nobody goes to all logs of the program.
     static ALONE: Mutex<()> = Mutex::new(());

@@ -88,6 +88,10 @@ pub fn table(text: &str, shown: &str, column: &str) -> Result<Vec<(f64, f64)>, W
         csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
     let unreadable = |error: csv::Error| (format!("{shown}: {error}"), "comma-separated values".to_owned());
     let header = reader.headers().map_err(unreadable)?.clone();
+    if header.len() == 1 && header[0].contains([';', '\t']) {
+        let what = format!("file {shown}: its head is one column, {:?}", &header[0]);
+        return Err((what, "commas between columns, and a point in decimal numbers".into()));
+    }
     if let Some(unit) = header.get(0).and_then(other_time) {
         let what = format!("file {shown}: its first column, {:?}, is in {unit}", &header[0]);
         return Err((what, "times in s, and a head that says no other unit".into()));

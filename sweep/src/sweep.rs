@@ -106,13 +106,17 @@ pub struct Done {
 /// If the folder holds something else, or a file can't be written; if the end was asked for. A case that fails is a row.
 pub fn sweep(plan: &Plan, options: &Options, watch: &dyn Watch) -> Result<Done, Error> {
     let out = &options.out;
-    let mut parts = Parts::look(out, &plan.fingerprint, plan.cases(), options.partition)?;
+    let mut parts =
+        Parts::look(out, &plan.fingerprint, plan.cases(), options.partition, !plan.signals.is_empty())?;
     if options.partition.is_none() {
         parts.sweep_up();
     }
     plan.notices.iter().for_each(|notice| watch.note(notice));
     if parts.removed > 0 {
         watch.note(&format!("{} parts of another study, scenario or unit gave way", parts.removed));
+    }
+    if let Some(lost) = parts.words_of_lost() {
+        watch.note(&lost);
     }
     let due: u64 =
         parts.due.iter().map(|part| range(&parts, *part)).map(|cases| cases.end - cases.start).sum();

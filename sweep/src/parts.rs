@@ -1,7 +1,7 @@
 //! The parts of a data set: which there are, which are still to be made. A part is a stretch of cases in order; its file gets
 //! its name when it is whole, so that making it twice, or at two places at once, does no harm.
 
-use crate::data::{self, Marks};
+use crate::data::{self, Counts, Marks};
 use crate::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -18,8 +18,8 @@ pub(crate) struct Parts {
     cases: u64,
     /// A part has a file of signals beside that of its cases.
     signals: bool,
-    /// Those that are whole: number, and how many of their cases failed.
-    pub(crate) finished: Vec<(u64, u64)>,
+    /// Those that are whole: number, and what is counted over their cases.
+    pub(crate) finished: Vec<(u64, Counts)>,
     /// Those that are to be made now.
     pub(crate) due: Vec<u64>,
     /// Files of another study that gave way.
@@ -78,9 +78,9 @@ impl Parts {
         }
         let (whole, halves): (Vec<_>, Vec<_>) =
             ours.iter().map(|(_, marks)| marks).partition(|marks| !signals || parts.has_signals(marks));
-        parts.finished = whole.iter().map(|marks| (marks.part, marks.failed)).collect();
+        parts.finished = whole.iter().map(|marks| (marks.part, marks.counts)).collect();
         parts.without_signals = halves.iter().map(|marks| marks.part).collect();
-        parts.finished.sort_unstable();
+        parts.finished.sort_unstable_by_key(|(part, _)| *part);
         let wanted = partition.map_or(1..=of, |(part, _)| part..=part);
         parts.due = wanted.filter(|part| !parts.is_finished(*part)).collect();
         Ok(parts)
@@ -123,8 +123,8 @@ impl Parts {
     }
 
     /// A part is whole now.
-    pub(crate) fn finish(&mut self, part: u64, failed: u64) {
-        self.finished.push((part, failed));
+    pub(crate) fn finish(&mut self, part: u64, counts: Counts) {
+        self.finished.push((part, counts));
     }
 
     /// Whether all parts are there: those of others, too, which may have come meanwhile.

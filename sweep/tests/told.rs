@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::Bench;
+use common::{Bench, column};
 use std::sync::Mutex;
 use sweep::Watch;
 
@@ -47,4 +47,20 @@ fn law_a_part_without_its_signals_is_made_again() {
     assert_eq!(bench.sweep(KEPT, "out", 1, None).expect("runs").ran, 1);
     assert!(std::fs::read(&signals).expect("there") == whole);
     assert_eq!(bench.sweep(KEPT, "out", 1, None).expect("runs").ran, 0);
+}
+
+#[test]
+fn law_cases_with_values_that_are_not_finite_are_told() {
+    let bench = Bench::new();
+    // 7: the output is NaN from 0.5 s on.
+    let text = "[set]\n\"a.fault_time\" = 0.5\n[list]\n\"a.fault\" = [0, 7, 3, 7]\n\
+        [scalars]\nend = { signal = \"a.y1\", reduce = \"last\" }\n";
+    let done = bench.sweep(text, "out", 1, None).expect("runs");
+    let words = done.not_finite.clone().unwrap_or_default();
+    assert!(words.starts_with("2 cases (the first is 1) have values that are not finite"), "{words}");
+    assert_eq!((done.failed, column(&bench.rows("out", "cases"), "end")[1].is_some()), (1, true));
+    let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
+    assert!(page.contains(&words), "on the page, too");
+    assert_eq!(bench.sweep(text, "out", 1, None).expect("all there").not_finite, Some(words));
+    assert_eq!(bench.sweep(KEPT, "healthy", 1, None).expect("runs").not_finite, None);
 }

@@ -133,11 +133,11 @@ pub fn sweep(plan: &Plan, options: &Options, watch: &dyn Watch) -> Result<Done, 
         write(&study, &plan.text)?;
         write(&resolved, &plan.resolved)?;
         watch.begin(due, there);
-        let reuse = probe::may_reuse(plan)?;
-        if !reuse {
-            watch.note("a unit keeps something over fmi2Reset: every case gets fresh instances");
+        let probed = probe::probe(plan)?;
+        if let Some(note) = probed.note {
+            watch.note(note);
         }
-        run(plan, options, &mut parts, reuse, watch)?;
+        run(plan, options, &mut parts, probed.reuse, watch)?;
     }
     let page = match parts.all_there() {
         true => Some(page::write(plan, &parts, options)?),

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, column};
+use common::{Bench, STATEFUL, column, description, library_with};
 use std::sync::Mutex;
 use sweep::Watch;
 
@@ -63,4 +63,18 @@ fn law_cases_with_values_that_are_not_finite_are_told() {
     assert!(page.contains(&words), "on the page, too");
     assert_eq!(bench.sweep(text, "out", 1, None).expect("all there").not_finite, Some(words));
     assert_eq!(bench.sweep(KEPT, "healthy", 1, None).expect("runs").not_finite, None);
+}
+
+#[test]
+fn bad_input_a_library_that_remembers_what_ran_before_is_refused() {
+    let bench = Bench::new();
+    let remembers = [
+        ("static void start(Unit *u) {", "static double lives;\nstatic void start(Unit *u) {"),
+        ("    u->r[K] = 1;", "    u->r[K] = 1 + lives++;"),
+    ];
+    bench.units.pack("stateful.fmu", &description(STATEFUL), &library_with(&remembers));
+    let refused = bench.sweep(KEPT, "out", 1, None).expect_err("rows would depend on their order");
+    let text = refused.to_string();
+    assert!(refused.is_input() && text.contains("(static data)") && text.contains("add --isolate"), "{text}");
+    assert!(bench.files("out", "cases").is_empty());
 }

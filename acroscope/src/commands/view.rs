@@ -7,7 +7,10 @@ use runner::signals::{self, Looking};
 
 /// Writes the page, or serves it until a signal comes.
 pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
-    let html = viewer::page(&arguments.results)?;
+    let viewer::Shown { html, notes } = viewer::page(&arguments.results)?;
+    if !quiet {
+        notes.iter().for_each(|note| complain!("note: {note}"));
+    }
     if let Some(file) = &arguments.output {
         std::fs::write(file, html).map_err(Error::file(file))?;
         if !quiet {

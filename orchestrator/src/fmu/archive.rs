@@ -62,8 +62,12 @@ impl Archive {
         let mut left = limits.unpacked;
         let mut description = None;
         let mut platforms = Vec::new();
+        let mut links = Vec::new();
         for index in 0..zip.len() {
-            let mut entry = zip.by_index(index).map_err(|e| broken(e.to_string()))?;
+            let name = zip.name_for_index(index).and_then(Result::ok).map(|name| name.into_owned());
+            let mut entry = zip
+                .by_index(index)
+                .map_err(|error| broken(format!("{}: {error}", name.unwrap_or_default())))?;
             if entry.is_dir() {
                 continue;
             }
@@ -74,6 +78,9 @@ impl Archive {
                 continue;
             }
             if is_wanted(&name, &mut platforms) {
+                if entry.is_symlink() {
+                    links.push(name.clone());
+                }
                 not_too_deep(&name).map_err(broken)?;
                 // One byte more than allowed tells what is too much.
                 let mut file = entry.by_ref().take(left.saturating_add(1));
@@ -93,7 +100,13 @@ impl Archive {
         // The standard hands out the folder whether the unit has resources or not.
         fs::create_dir_all(folder.path().join("resources")).map_err(|e| broken(e.to_string()))?;
         let description = description.ok_or_else(|| broken("it holds no modelDescription.xml".into()))?;
-        Ok((Self { folder, platforms }, description))
+        match links.iter().find(|link| is_library_of(link, &description)) {
+            Some(link) => Err(broken(format!(
+                "{} is a symbolic link, and links in an archive are not followed: pack the file that it leads to",
+                link.display()
+            ))),
+            None => Ok((Self { folder, platforms }, description)),
+        }
     }
 
     /// Where the library of a model lies; if it is not there and another one is the only one, that one, and a word
@@ -139,6 +152,12 @@ impl Archive {
         }
         uri
     }
+}
+
+/// Whether an entry is the very library that is loaded. Links beside it, as from one version's name to another's, may be nobody's.
+fn is_library_of(name: &Path, description: &Description) -> bool {
+    let library = format!("{}.{EXTENSION}", description.co_simulation.model_identifier);
+    name.starts_with("binaries") && name.file_name().is_some_and(|file| file.to_string_lossy() == library)
 }
 
 /// Whether a run needs the file of this name; adds the platform that it is for, if that is a new one.
@@ -197,6 +216,26 @@ mod tests {
 
     const DESCRIPTION: &str = "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\">\
         <CoSimulation modelIdentifier=\"m\"/><ModelVariables/><ModelStructure/></fmiModelDescription>";
+
+    #[test]
+    fn bad_input_a_library_that_is_a_link_is_told() {
+        let path = tempfile::NamedTempFile::new().expect("a temporary file").into_temp_path();
+        let packed = |link: &str| {
+            let options = zip::write::SimpleFileOptions::default();
+            let file = std::fs::File::create(&path).expect("writable");
+            let mut zip = zip::ZipWriter::new(file);
+            zip.start_file("modelDescription.xml", options).expect("packed");
+            std::io::Write::write_all(&mut zip, DESCRIPTION.as_bytes()).expect("packed");
+            zip.add_symlink(link, "other.so", options).expect("packed");
+            zip.finish().expect("packed");
+            Archive::unpack(&path).map(drop).map_err(|error| error.to_string())
+        };
+        let library = format!("binaries/{}/m.{}", super::PLATFORMS[0], super::EXTENSION);
+        let told = packed(&library).expect_err("a link");
+        assert!(told.contains(&library) && told.contains("is a symbolic link, and links"), "{told}");
+        // What lies beside it may be of use to nobody.
+        assert_eq!(packed(&library.replace("/m.", "/libother.")), Ok(()));
+    }
 
     #[test]
     fn law_a_unit_unpacks_just_as_much_as_it_may() {

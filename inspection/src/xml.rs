@@ -13,6 +13,8 @@ pub(crate) struct Element {
     /// Those without prefix.
     pub(crate) attributes: Vec<(String, String)>,
     pub(crate) children: Vec<Element>,
+    /// Text that stands in it, the first that is no blank: its line, and what it is.
+    pub(crate) text: Option<(usize, String)>,
 }
 
 /// Line, what is wrong.
@@ -60,6 +62,14 @@ impl Element {
                 Event::Empty(start) => element(&start, line)?,
                 Event::End(_) => open.pop().ok_or((line, "an element ends that never began".to_owned()))?,
                 Event::Eof => break,
+                Event::Text(text) if !free => {
+                    note_text(open.last_mut(), &text, line);
+                    continue;
+                }
+                Event::CData(text) if !free => {
+                    note_text(open.last_mut(), &text, line);
+                    continue;
+                }
                 _ => continue,
             };
             match open.last_mut() {
@@ -101,6 +111,16 @@ impl Element {
     }
 }
 
+/// Keeps the first text of an element; blanks between elements are none. `line` is that of its end.
+fn note_text(element: Option<&mut Element>, text: &str, line: usize) {
+    let Some(element) = element.filter(|element| element.text.is_none()) else { return };
+    let shown = text.trim();
+    if !shown.is_empty() {
+        let line = line - text.trim_start().matches('\n').count();
+        element.text = Some((line, shown.to_owned()));
+    }
+}
+
 fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, Fault> {
     let mut attributes = Vec::new();
     for attribute in start.attributes() {
@@ -114,7 +134,7 @@ fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, Fault> {
         }
     }
     let name: &str = start.name().local_name().into_inner();
-    Ok(Element { name: name.to_owned(), line, attributes, children: Vec::new() })
+    Ok(Element { name: name.to_owned(), line, attributes, children: Vec::new(), text: None })
 }
 
 /// Counts lines as the reader goes on.

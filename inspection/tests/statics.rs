@@ -97,6 +97,8 @@ const PLANTED: &[Planted] = &[
         Error,
         Some("k"),
     ),
+    ("<ModelVariables>", "<ModelVariables>hello", "schema", Error, None),
+    ("<ModelVariables>", "<?xml version=\"1.0\"?><ModelVariables>", "well-formed", Error, None),
     ("<Real/>", "<Real derivative=\"99\"/>", "derivative", Error, Some("d")),
     ("<Real/>", "<Real derivative=\"4\"/>", "derivative", Error, Some("k")),
     ("valueReference=\"4\"", "valueReference=\"3\"", "aliases", Error, Some("x0")),

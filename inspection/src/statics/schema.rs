@@ -40,6 +40,17 @@ pub(super) fn schema(file: &File<'_>, found: &mut Found) {
 
 fn check(element: &Element, shape: &'static Shape, found: &mut Found) {
     attributes(element, shape, found);
+    if let Some((line, text)) = &element.text {
+        let told: String = text.chars().take(40).collect();
+        found.error_at(
+            *line,
+            format!(
+                "<{}>{} holds the text {told:?}: elements only, or nothing, may stand there",
+                shape.name,
+                named(element)
+            ),
+        );
+    }
     let mut counts = vec![0usize; shape.children.len()];
     let mut reached = 0;
     for child in &element.children {

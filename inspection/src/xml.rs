@@ -39,7 +39,9 @@ impl Element {
             let event = reader.read_event();
             let line = lines.at(reader.buffer_position() as usize);
             let free = open.last().is_some_and(|parent| parent.name == FREE);
-            let done = match event.map_err(|error| (line, error.to_string()))? {
+            let event = event.map_err(|error| (line, error.to_string()))?;
+            note_text(&event, open.last_mut(), line);
+            let done = match event {
                 Event::Start(_) if free => {
                     passed_over += 1;
                     continue;
@@ -62,14 +64,6 @@ impl Element {
                 Event::Empty(start) => element(&start, line)?,
                 Event::End(_) => open.pop().ok_or((line, "an element ends that never began".to_owned()))?,
                 Event::Eof => break,
-                Event::Text(text) if !free => {
-                    note_text(open.last_mut(), &text, line);
-                    continue;
-                }
-                Event::CData(text) if !free => {
-                    note_text(open.last_mut(), &text, line);
-                    continue;
-                }
                 _ => continue,
             };
             match open.last_mut() {
@@ -77,11 +71,7 @@ impl Element {
                 None => root = Some(done),
             }
         }
-        match (open.last(), root) {
-            (None, Some(root)) => Ok(root),
-            (Some(open), _) => Err((open.line, format!("<{}> begins here and does not end", open.name))),
-            (None, None) => Err((1, "there is no element".into())),
-        }
+        whole(open.last(), root)
     }
 
     /// An attribute.
@@ -111,13 +101,26 @@ impl Element {
     }
 }
 
-/// Keeps the first text of an element; blanks between elements are none. `line` is that of its end.
-fn note_text(element: Option<&mut Element>, text: &str, line: usize) {
-    let Some(element) = element.filter(|element| element.text.is_none()) else { return };
-    let shown = text.trim();
-    if !shown.is_empty() {
+/// The root, if all that began has ended.
+fn whole(open: Option<&Element>, root: Option<Element>) -> Result<Element, Fault> {
+    match (open, root) {
+        (None, Some(root)) => Ok(root),
+        (Some(open), _) => Err((open.line, format!("<{}> begins here and does not end", open.name))),
+        (None, None) => Err((1, "there is no element".into())),
+    }
+}
+
+/// Keeps the first text of an element in which only elements may stand; blanks are none. `line` is that of its end.
+fn note_text(event: &Event<'_>, element: Option<&mut Element>, line: usize) {
+    let text: &str = match event {
+        Event::Text(text) => text,
+        Event::CData(text) => text,
+        _ => return,
+    };
+    let element = element.filter(|element| element.text.is_none() && element.name != FREE);
+    if let (Some(element), false) = (element, text.trim().is_empty()) {
         let line = line - text.trim_start().matches('\n').count();
-        element.text = Some((line, shown.to_owned()));
+        element.text = Some((line, text.trim().to_owned()));
     }
 }
 

@@ -76,11 +76,7 @@ impl Parts {
         for (path, _) in other.iter().chain(&odd) {
             parts.remove(path)?;
         }
-        let (whole, halves): (Vec<_>, Vec<_>) =
-            ours.iter().map(|(_, marks)| marks).partition(|marks| !signals || parts.has_signals(marks));
-        parts.finished = whole.iter().map(|marks| (marks.part, marks.counts)).collect();
-        parts.without_signals = halves.iter().map(|marks| marks.part).collect();
-        parts.finished.sort_unstable_by_key(|(part, _)| *part);
+        parts.take_over(ours.into_iter().map(|(_, marks)| marks).collect());
         let wanted = partition.map_or(1..=of, |(part, _)| part..=part);
         parts.due = wanted.filter(|part| !parts.is_finished(*part)).collect();
         Ok(parts)
@@ -110,6 +106,15 @@ impl Parts {
         }
         self.removed += 1;
         Ok(())
+    }
+
+    /// Those that are whole need not be made again.
+    fn take_over(&mut self, ours: Vec<Marks>) {
+        let (whole, halves): (Vec<_>, Vec<_>) =
+            ours.into_iter().partition(|marks| !self.signals || self.has_signals(marks));
+        self.finished = whole.iter().map(|marks| (marks.part, marks.counts)).collect();
+        self.finished.sort_unstable_by_key(|(part, _)| *part);
+        self.without_signals = halves.iter().map(|marks| marks.part).collect();
     }
 
     /// Whether the signals of a part lie beside its cases: somebody may have taken them away, or put others there.

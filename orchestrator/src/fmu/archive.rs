@@ -61,13 +61,9 @@ impl Archive {
         let folder = Bench::new().map_err(|error| error::unpack(path, &error))?;
         let mut left = limits.unpacked;
         let mut description = None;
-        let mut platforms = Vec::new();
-        let mut links = Vec::new();
+        let (mut platforms, mut links) = (Vec::new(), Vec::new());
         for index in 0..zip.len() {
-            let name = zip.name_for_index(index).and_then(Result::ok).map(|name| name.into_owned());
-            let mut entry = zip
-                .by_index(index)
-                .map_err(|error| broken(format!("{}: {error}", name.unwrap_or_default())))?;
+            let mut entry = entry(&mut zip, index).map_err(broken)?;
             if entry.is_dir() {
                 continue;
             }
@@ -100,13 +96,8 @@ impl Archive {
         // The standard hands out the folder whether the unit has resources or not.
         fs::create_dir_all(folder.path().join("resources")).map_err(|e| broken(e.to_string()))?;
         let description = description.ok_or_else(|| broken("it holds no modelDescription.xml".into()))?;
-        match links.iter().find(|link| is_library_of(link, &description)) {
-            Some(link) => Err(broken(format!(
-                "{} is a symbolic link, and links in an archive are not followed: pack the file that it leads to",
-                link.display()
-            ))),
-            None => Ok((Self { folder, platforms }, description)),
-        }
+        no_link(&links, &description).map_err(broken)?;
+        Ok((Self { folder, platforms }, description))
     }
 
     /// Where the library of a model lies; if it is not there and another one is the only one, that one, and a word
@@ -154,10 +145,27 @@ impl Archive {
     }
 }
 
-/// Whether an entry is the very library that is loaded. Links beside it, as from one version's name to another's, may be nobody's.
-fn is_library_of(name: &Path, description: &Description) -> bool {
+type Zip = zip::ZipArchive<io::BufReader<File>>;
+
+/// An entry, or its name and why it can't be read: it is encrypted, say.
+fn entry(zip: &mut Zip, index: usize) -> Result<zip::read::ZipFile<'_, io::BufReader<File>>, String> {
+    let name = zip.name_for_index(index).and_then(Result::ok).map(|name| name.into_owned());
+    zip.by_index(index).map_err(|error| format!("{}: {error}", name.unwrap_or_default()))
+}
+
+/// Whether the very library that is loaded is a link. Links beside it, as from one version's name to another's, may be nobody's.
+fn no_link(links: &[PathBuf], description: &Description) -> Result<(), String> {
     let library = format!("{}.{EXTENSION}", description.co_simulation.model_identifier);
-    name.starts_with("binaries") && name.file_name().is_some_and(|file| file.to_string_lossy() == library)
+    let is_it = |name: &&PathBuf| {
+        name.starts_with("binaries") && name.file_name().is_some_and(|file| file.to_string_lossy() == library)
+    };
+    let told = |link: &PathBuf| {
+        let link = link.display();
+        format!(
+            "{link} is a symbolic link, and links in an archive are not followed: pack the file that it leads to"
+        )
+    };
+    links.iter().find(is_it).map_or(Ok(()), |link| Err(told(link)))
 }
 
 /// Whether a run needs the file of this name; adds the platform that it is for, if that is a new one.

@@ -168,6 +168,9 @@ pub struct Params {
     /// As JSON, for programs.
     #[arg(long)]
     pub json: bool,
+    /// How the units are called when the scenario is built.
+    #[command(flatten)]
+    pub called: Called,
 }
 
 /// `acroscope sweep`

@@ -12,3 +12,4 @@ mod refused;
 mod reproduce;
 mod run;
 mod signals;
+mod tried;

@@ -40,6 +40,8 @@ pub(crate) struct Archive {
     /// How many entries have the very name of another one: readers see one of them only.
     pub(crate) twins: usize,
     pub(crate) binaries: Vec<Binary>,
+    /// Some libraries are encrypted: they are there, and not among `binaries`.
+    pub(crate) encrypted_libraries: bool,
     /// The description; an error is why there is none, the inner one where it is no text.
     pub(crate) description: Result<Result<String, Fault>, String>,
 }
@@ -64,25 +66,44 @@ impl Archive {
             entries: Vec::new(),
             twins: listed.map_or(0, |listed| listed.saturating_sub(zip.len())),
             binaries: Vec::new(),
+            encrypted_libraries: false,
             description: Err(format!("it holds no {DESCRIPTION} at its root")),
         };
         for index in 0..zip.len() {
-            archive.add(zip.by_index(index));
+            let (hidden, name) = match zip.by_index_raw(index) {
+                Ok(entry) => (entry.encrypted(), String::from_utf8_lossy(entry.name_raw()).into_owned()),
+                Err(_) => (false, String::new()),
+            };
+            match hidden {
+                true => archive.add_encrypted(name),
+                false => archive.add(name, zip.by_index(index)),
+            }
         }
         Ok(Ok(archive))
     }
 
-    fn add<R: std::io::Read>(&mut self, entry: zip::result::ZipResult<zip::read::ZipFile<'_, R>>) {
+    /// Its name can be read, what it holds can't.
+    fn add_encrypted(&mut self, name: String) {
+        if name == DESCRIPTION {
+            self.description = Err(format!("{DESCRIPTION} can't be read"));
+        }
+        self.encrypted_libraries |= library(&name).is_some();
+        let is_folder = name.ends_with('/');
+        let unreadable =
+            Some("it is encrypted, which no master reads: pack it without a password".to_owned());
+        self.entries.push(Entry { name, is_folder, is_link: false, unreadable });
+    }
+
+    fn add<R: std::io::Read>(
+        &mut self,
+        name: String,
+        entry: zip::result::ZipResult<zip::read::ZipFile<'_, R>>,
+    ) {
         let mut entry = match entry {
             Ok(entry) => entry,
             Err(error) => {
                 let unreadable = Some(error.to_string());
-                return self.entries.push(Entry {
-                    name: String::new(),
-                    is_folder: false,
-                    is_link: false,
-                    unreadable,
-                });
+                return self.entries.push(Entry { name, is_folder: false, is_link: false, unreadable });
             }
         };
         let (name, mut unreadable) = match entry.name() {

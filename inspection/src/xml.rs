@@ -13,6 +13,8 @@ pub(crate) struct Element {
     /// Those without prefix.
     pub(crate) attributes: Vec<(String, String)>,
     pub(crate) children: Vec<Element>,
+    /// Text that stands in it, the first that is no blank: its line, and what it is.
+    pub(crate) text: Option<(usize, String)>,
 }
 
 /// Line, what is wrong.
@@ -37,7 +39,9 @@ impl Element {
             let event = reader.read_event();
             let line = lines.at(reader.buffer_position() as usize);
             let free = open.last().is_some_and(|parent| parent.name == FREE);
-            let done = match event.map_err(|error| (line, error.to_string()))? {
+            let event = event.map_err(|error| (line, error.to_string()))?;
+            note_text(&event, open.last_mut(), line);
+            let done = match event {
                 Event::Start(_) if free => {
                     passed_over += 1;
                     continue;
@@ -67,11 +71,7 @@ impl Element {
                 None => root = Some(done),
             }
         }
-        match (open.last(), root) {
-            (None, Some(root)) => Ok(root),
-            (Some(open), _) => Err((open.line, format!("<{}> begins here and does not end", open.name))),
-            (None, None) => Err((1, "there is no element".into())),
-        }
+        whole(open.last(), root)
     }
 
     /// An attribute.
@@ -101,6 +101,29 @@ impl Element {
     }
 }
 
+/// The root, if all that began has ended.
+fn whole(open: Option<&Element>, root: Option<Element>) -> Result<Element, Fault> {
+    match (open, root) {
+        (None, Some(root)) => Ok(root),
+        (Some(open), _) => Err((open.line, format!("<{}> begins here and does not end", open.name))),
+        (None, None) => Err((1, "there is no element".into())),
+    }
+}
+
+/// Keeps the first text of an element in which only elements may stand; blanks are none. `line` is that of its end.
+fn note_text(event: &Event<'_>, element: Option<&mut Element>, line: usize) {
+    let text: &str = match event {
+        Event::Text(text) => text,
+        Event::CData(text) => text,
+        _ => return,
+    };
+    let element = element.filter(|element| element.text.is_none() && element.name != FREE);
+    if let (Some(element), false) = (element, text.trim().is_empty()) {
+        let line = line - text.trim_start().matches('\n').count();
+        element.text = Some((line, text.trim().to_owned()));
+    }
+}
+
 fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, Fault> {
     let mut attributes = Vec::new();
     for attribute in start.attributes() {
@@ -114,7 +137,7 @@ fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, Fault> {
         }
     }
     let name: &str = start.name().local_name().into_inner();
-    Ok(Element { name: name.to_owned(), line, attributes, children: Vec::new() })
+    Ok(Element { name: name.to_owned(), line, attributes, children: Vec::new(), text: None })
 }
 
 /// Counts lines as the reader goes on.

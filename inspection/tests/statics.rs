@@ -97,6 +97,8 @@ const PLANTED: &[Planted] = &[
         Error,
         Some("k"),
     ),
+    ("<ModelVariables>", "<ModelVariables>hello", "schema", Error, None),
+    ("<ModelVariables>", "<?xml version=\"1.0\"?><ModelVariables>", "well-formed", Error, None),
     ("<Real/>", "<Real derivative=\"99\"/>", "derivative", Error, Some("d")),
     ("<Real/>", "<Real derivative=\"4\"/>", "derivative", Error, Some("k")),
     ("valueReference=\"4\"", "valueReference=\"3\"", "aliases", Error, Some("x0")),
@@ -268,6 +270,23 @@ fn every_entry_of_the_same_name_and_every_link_is_found() {
         found.len() == 1 && found[0].text.contains("\"resources/passwd\" is a symbolic link"),
         "{found:#?}"
     );
+}
+
+#[test]
+fn law_an_encrypted_library_is_there_and_told_by_its_name() {
+    let units = Units::new();
+    let name = "binaries/linux64/unit.so";
+    let path = units.pack_files("encrypted.fmu", DESCRIPTION, &[(name, &common::library())]);
+    let mut bytes = std::fs::read(&path).expect("it was made");
+    let is_named = |at: &usize| bytes[*at..].starts_with(name.as_bytes());
+    let places: Vec<usize> = (0..bytes.len()).filter(is_named).collect();
+    // The lowest bit of the flags, in the header before the content and in the list at the end.
+    (bytes[places[0] - 24], bytes[places[1] - 38]) = (bytes[places[0] - 24] | 1, bytes[places[1] - 38] | 1);
+    std::fs::write(&path, bytes).expect("writable");
+    let findings = check(&path);
+    let said = format!("{name} can't be read: it is encrypted");
+    assert!(findings.iter().any(|found| found.text.contains(&said)), "{findings:#?}");
+    assert!(!findings.iter().any(|found| found.text.contains("neither binaries")), "{findings:#?}");
 }
 
 #[test]

@@ -60,10 +60,10 @@ acro.options = function (described, data, state, host, height) {
   return {
     width: host.clientWidth || 300, height: acro.height(host, height),
     scales: {
-      x: { time: false, range: (_, low, high) => { state.isWhole = low <= state.whole[0] && high >= state.whole[1]; return [low, high]; } },
+      x: { time: false, distr: described.x_log ? 3 : 1, range: (_, low, high) => { state.isWhole = low <= state.whole[0] && high >= state.whole[1]; return [low, high]; } },
       y: { range: (_, low, high) => acro.fitted(described, state, low, high) },
     },
-    axes: [{ ...axis, label: acro.fits(described.x, 44), size: 28 }, { ...axis, label: acro.fits(described.y, 28), size: wide }],
+    axes: [{ ...axis, ...(described.x_log && { values: (_, splits) => splits.map((split) => (split == null ? "" : acro.rounded(split))) }), label: acro.fits(described.x, 44), size: 28 }, { ...axis, label: acro.fits(described.y, 28), size: wide }],
     series: [{ label: described.x, value: (_, value) => acro.rounded(value) }, ...described.lines.map((line, number) => acro.series(line, number, data[0].length))],
     legend: { markers: { width: 2, stroke: (_, line) => (line ? `var(--line${(line - 1) % 6})` : "transparent"), dash: (_, line) => acro.dashes(described.lines[line - 1]) } },
     cursor: {
@@ -92,6 +92,7 @@ acro.dashes = (line) => ({ dashed: "dashed", dotted: "dotted", dots: "dotted", c
 acro.series = function (line, number, rows) {
   const colour = () => acro.colour("line" + (number % 6));
   const made = { label: line.label, stroke: colour, width: 1.5, value: (_, value) => acro.rounded(value), points: { show: false } };
+  if (line.held) made.paths = uPlot.paths.stepped({ align: 1 });
   if (line.style === "dashed") made.dash = [7, 4];
   if (line.style === "dotted") made.dash = [2, 3];
   if (line.style === "dots" || line.style === "crosses") {

@@ -3,38 +3,19 @@
 use crate::Error;
 use crate::clip::clip;
 use crate::legend;
-use crate::thin::thin;
+use crate::map::rounded;
+pub use crate::style::{Marks, Stroke, Style};
+use crate::thin::{apart, steps, thin};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Size of a graph on the page, in CSS pixels.
 pub(crate) const SIZE: (u32, u32) = (640, 380);
 /// Font of all labels. SVG only names it; the browser has it.
 pub(crate) const FONT: &str = "sans-serif";
-
-/// How a line is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Style {
-    /// Connected points.
-    Solid,
-    /// Connected points, dashed.
-    Dashed,
-    /// Connected points, dotted.
-    Dotted,
-    /// Each point by itself.
-    Points(Marks),
-}
-
-/// The mark of a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Marks {
-    /// A disc.
-    Dot,
-    /// A diagonal cross.
-    Cross,
-}
 
 /// One line of a graph.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -87,17 +68,20 @@ pub struct Axis {
     pub label: String,
     /// Fixed range.
     pub range: Option<(f64, f64)>,
+    /// Even in the logarithm; of horizontal axes only, and all of its values are above 0.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub log: bool,
 }
 
 impl Axis {
     /// An axis that fits the data.
     pub fn fitted(label: impl Into<String>) -> Self {
-        Self { label: label.into(), range: None }
+        Self { label: label.into(), range: None, log: false }
     }
 
     /// An axis over a range of its own.
     pub fn over(label: impl Into<String>, from: f64, to: f64) -> Self {
-        Self { label: label.into(), range: Some((from, to)) }
+        Self { label: label.into(), range: Some((from, to)), log: false }
     }
 }
 
@@ -131,6 +115,22 @@ impl Graph {
 
     /// Draws the graph as SVG.
     pub fn to_svg(&self) -> Result<String, Error> {
+        self.over_even_axes().draw_svg()
+    }
+
+    /// What is over a logarithmic axis, over the logarithms; its ticks tell the values.
+    fn over_even_axes(&self) -> Cow<'_, Self> {
+        if !self.x.log {
+            return Cow::Borrowed(self);
+        }
+        let mut even = self.clone();
+        even.lines.iter_mut().flat_map(|line| &mut line.points).for_each(|(x, _)| *x = x.log10());
+        even.x.range = even.x.range.map(|(from, to)| (from.log10(), to.log10()));
+        even.event = even.event.map(|(at, what)| (at.log10(), what));
+        Cow::Owned(even)
+    }
+
+    fn draw_svg(&self) -> Result<String, Error> {
         let x_range = self.range(&self.x, |point| point.0, 0.0)?;
         let y_range = self.range(&self.y, |point| point.1, 0.06)?;
         let mut svg = String::new();
@@ -178,7 +178,9 @@ impl Graph {
             .y_desc(&self.y.label)
             .label_style((FONT, 13))
             .axis_desc_style((FONT, 14))
-            .x_label_formatter(&|value| tick(*value, x))
+            .x_label_formatter(&|value| {
+                if self.x.log { rounded(10f64.powf(*value)) } else { tick(*value, x) }
+            })
             .y_label_formatter(&|value| tick(*value, y))
             .draw()?;
         if let Some((at, _)) = self.event.iter().find(|(at, _)| (x.0..=x.1).contains(at)) {
@@ -186,7 +188,7 @@ impl Graph {
             chart.draw_series(DashedLineSeries::new(upright, 2, 4, EVENT.stroke_width(1)))?;
         }
         for (index, line) in self.lines.iter().enumerate() {
-            draw_line(&mut chart, line, colour(index), y)?;
+            draw_line(&mut chart, line, colour(index), (x, y))?;
         }
         Ok(())
     }
@@ -241,13 +243,26 @@ pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 pub(crate) type Refusal = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
 
-fn draw_line(chart: &mut Chart<'_>, line: &Line, colour: RGBColor, y: (f64, f64)) -> Result<(), Refusal> {
-    let stroke = colour.stroke_width(if matches!(line.style, Style::Dotted) { 2 } else { 1 });
+type Span = (f64, f64);
+
+fn draw_line(
+    chart: &mut Chart<'_>,
+    line: &Line,
+    colour: RGBColor,
+    (x, y): (Span, Span),
+) -> Result<(), Refusal> {
+    let style = line.style.connected();
+    let stroke = colour.stroke_width(if matches!(style, Style::Dotted) { 2 } else { 1 });
     let pieces =
         line.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|piece| !piece.is_empty());
     for piece in pieces {
-        let points = thin(piece, SIZE.0 as usize);
-        match line.style {
+        let points = match line.style {
+            // A line's peaks stand for the rest of it; of points each is one.
+            Style::Points(_) => apart(piece, (x, y), SIZE),
+            Style::Held(_) => steps(&thin(piece, SIZE.0 as usize)),
+            _ => thin(piece, SIZE.0 as usize),
+        };
+        match style {
             Style::Points(marks) => {
                 let inside = points.iter().filter(|(_, value)| (y.0..=y.1).contains(value));
                 match marks {
@@ -296,6 +311,21 @@ mod tests {
         let back: Graph = serde_json::from_str(&text).expect("read");
         assert_eq!((back.to_svg().expect("drawn"), back.y), (graph.to_svg().expect("drawn"), graph.y));
         assert!(back.lines[0].points[1].1.is_nan() && back.lines[0].points[2] == (2.0, 0.3));
+    }
+
+    #[test]
+    fn value_a_logarithmic_axis_has_decades_of_one_length() {
+        let points = (0..=30).map(|i| (10f64.powf(f64::from(i) / 10.0 - 2.0), f64::from(i % 2))).collect();
+        let mut graph = Graph::new("t", Axis::fitted("x"), Axis::fitted("y")).with(Line::solid("", points));
+        graph.x.log = true;
+        let svg = graph.to_svg().expect("drawn");
+        let line = svg.split("points=\"").filter_map(|rest| rest.split('"').next());
+        let xs = |points: &str| -> Vec<f64> {
+            points.split_whitespace().filter_map(|pair| pair.split(',').next()?.parse().ok()).collect()
+        };
+        let xs = line.map(xs).find(|xs| xs.len() == 31).expect("the line");
+        assert!(((xs[10] - xs[0]) - (xs[20] - xs[10])).abs() <= 1.0, "{xs:?}");
+        assert!(svg.contains("0.1"), "ticks tell the values themselves");
     }
 
     #[test]

@@ -49,9 +49,11 @@ pub(crate) fn draw(area: &Area<'_>, entries: &[Entry<'_>]) -> Result<(), Refusal
     for (entry, (x, y)) in entries.iter().zip(places(entries)) {
         let middle = y + ROW / 2;
         let ends = [(x, middle), (x + SAMPLE, middle)];
-        let stroke = entry.colour.stroke_width(if matches!(entry.style, Style::Dotted) { 2 } else { 1 });
-        match entry.style {
-            Style::Solid => area.draw(&PathElement::new(ends, stroke))?,
+        let style = entry.style.connected();
+        let stroke = entry.colour.stroke_width(if matches!(style, Style::Dotted) { 2 } else { 1 });
+        match style {
+            // `connected` leaves none that is held.
+            Style::Solid | Style::Held(_) => area.draw(&PathElement::new(ends, stroke))?,
             Style::Dashed => area.draw(&DashedPathElement::new(ends, 6, 3, stroke))?,
             Style::Dotted => area.draw(&DashedPathElement::new(ends, 2, 3, stroke))?,
             Style::Points(Marks::Dot) => {

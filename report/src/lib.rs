@@ -17,13 +17,14 @@ pub mod map;
 pub mod page;
 pub mod picture;
 pub mod readings;
+mod style;
 pub mod tally;
 pub mod thin;
 pub mod timing;
 
 pub use field::VectorField;
 pub use filter::{Filtered, Marked};
-pub use graph::{Axis, Graph, Line, Marks, Style};
+pub use graph::{Axis, Graph, Line, Marks, Stroke, Style};
 pub use head::{Change, Figure, Input, Origin, Program, Provenance, Standing, Verdict};
 pub use map::{Bar, Contour, HeatMap};
 pub use maud::{Markup, PreEscaped};

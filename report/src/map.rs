@@ -185,7 +185,7 @@ impl Ranged for Ticked {
 }
 
 /// A number with two digits.
-fn rounded(value: f64) -> String {
+pub(crate) fn rounded(value: f64) -> String {
     let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
     let decimals = (-unit.log10()).max(0.0) as usize;
     format!("{:.decimals$}", (value / unit).round() * unit)

@@ -1,5 +1,7 @@
 //! Thins a long line to what a screen can show, without losing a peak.
 
+use std::collections::HashSet;
+
 /// Keeps at most about `4 * columns` points: of each column of the picture the first, lowest, highest and last.
 /// Points must be ordered by x; a line that is short already comes back as it is.
 pub fn thin(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
@@ -13,6 +15,26 @@ pub fn thin(points: &[(f64, f64)], columns: usize) -> Vec<(f64, f64)> {
     }
     let column = |x: f64| (((x - first) / width) as usize).min(columns - 1);
     points.chunk_by(|a, b| column(a.0) == column(b.0)).flat_map(extremes).collect()
+}
+
+/// Leaves out of points what nobody could see: those that would lie on the same pixel of a picture of this size as one before.
+pub(crate) fn apart(
+    points: &[(f64, f64)],
+    (x, y): ((f64, f64), (f64, f64)),
+    (wide, high): (u32, u32),
+) -> Vec<(f64, f64)> {
+    let place = |value: f64, (from, to): (f64, f64), pixels: u32| {
+        ((value - from) / (to - from) * f64::from(pixels)).round() as i64
+    };
+    let mut taken = HashSet::new();
+    let is_free = |at: &&(f64, f64)| taken.insert((place(at.0, x, wide), place(at.1, y, high)));
+    points.iter().filter(is_free).copied().collect()
+}
+
+/// The corners of a line whose values are held until the next point.
+pub(crate) fn steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let corners = points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    corners.chain(points.last().copied()).collect()
 }
 
 /// First, lowest, highest and last point of a run, in their order, each once; all four of four.
@@ -80,7 +102,7 @@ impl Thinner {
 
 #[cfg(test)]
 mod tests {
-    use super::{BUCKETS, Thinner, thin};
+    use super::{BUCKETS, Thinner, apart, steps, thin};
 
     #[test]
     fn law_peaks_survive() {
@@ -108,6 +130,22 @@ mod tests {
         let mut thinner = Thinner::default();
         (0..100_000).for_each(|i| thinner.push(f64::from(i), f64::from(i * 7919 % 100_003)));
         assert_eq!(thinner.finish().len(), 100_000, "as many as that all stay");
+    }
+
+    #[test]
+    fn law_points_go_only_where_another_one_lies() {
+        // Seven columns, as of an Integer, each full: the extremes of a column say nothing of the rest.
+        let points: Vec<(f64, f64)> = (0..20_000).map(|i| (f64::from(i % 7), f64::from(i))).collect();
+        let kept = apart(&points, ((0.0, 6.0), (0.0, 20_000.0)), (640, 380));
+        assert_eq!(kept.len(), 7 * 381, "one a pixel");
+        assert_eq!(apart(&points[..50], ((0.0, 6.0), (0.0, 50.0)), (640, 380)), points[..50]);
+    }
+
+    #[test]
+    fn value_held_values_have_corners() {
+        let corners = steps(&[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)]);
+        assert_eq!(corners, [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0), (2.0, 0.0)]);
+        assert_eq!((steps(&[]), steps(&[(1.0, 2.0)])), (vec![], vec![(1.0, 2.0)]));
     }
 
     #[test]

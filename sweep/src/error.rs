@@ -63,6 +63,13 @@ pub enum Error {
         /// To what it belongs.
         what: String,
     },
+    /// A library remembers what ran before in this process.
+    #[error(
+        "two runs of the first case differ, though both had fresh instances: the library of a unit keeps something from run to run \
+         (static data), or goes by the time or by chance, and a row would depend on the cases before it; add --isolate, and every case \
+         gets processes of its own"
+    )]
+    Kept,
     /// A file can't be read or written.
     #[error("{}: {why}", path.display())]
     File {

@@ -1,7 +1,7 @@
 //! The parts of a data set: which there are, which are still to be made. A part is a stretch of cases in order; its file gets
 //! its name when it is whole, so that making it twice, or at two places at once, does no harm.
 
-use crate::data::{self, Marks};
+use crate::data::{self, Counts, Marks};
 use crate::error::Error;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,16 @@ pub(crate) struct Parts {
     folder: PathBuf,
     pub(crate) of: u64,
     cases: u64,
-    /// Those that are whole: number, and how many of their cases failed.
-    pub(crate) finished: Vec<(u64, u64)>,
+    /// A part has a file of signals beside that of its cases.
+    signals: bool,
+    /// Those that are whole: number, and what is counted over their cases.
+    pub(crate) finished: Vec<(u64, Counts)>,
     /// Those that are to be made now.
     pub(crate) due: Vec<u64>,
     /// Files of another study that gave way.
     pub(crate) removed: usize,
+    /// Parts whose cases are there without their signals.
+    pub(crate) without_signals: Vec<u64>,
 }
 
 impl Parts {
@@ -32,6 +36,7 @@ impl Parts {
         fingerprint: &str,
         cases: u64,
         partition: Option<(u64, u64)>,
+        signals: bool,
     ) -> Result<Self, Error> {
         let found = found(&folder.join("cases"))?;
         let foreign = |path: &Path, what: String| Error::Foreign { path: path.into(), what };
@@ -58,16 +63,35 @@ impl Parts {
             None => ours.first().map_or_else(|| cases.div_ceil(CASES).clamp(1, PARTS), |(_, marks)| marks.of),
         };
         let (ours, odd): (Vec<_>, Vec<_>) = ours.into_iter().partition(|(_, marks)| marks.of == of);
-        let mut parts =
-            Self { folder: folder.into(), of, cases, finished: Vec::new(), due: Vec::new(), removed: 0 };
+        let mut parts = Self {
+            folder: folder.into(),
+            of,
+            cases,
+            signals,
+            finished: Vec::new(),
+            due: Vec::new(),
+            removed: 0,
+            without_signals: Vec::new(),
+        };
         for (path, _) in other.iter().chain(&odd) {
             parts.remove(path)?;
         }
-        parts.finished = ours.iter().map(|(_, marks)| (marks.part, marks.failed)).collect();
-        parts.finished.sort_unstable();
+        parts.take_over(ours.into_iter().map(|(_, marks)| marks).collect());
         let wanted = partition.map_or(1..=of, |(part, _)| part..=part);
         parts.due = wanted.filter(|part| !parts.is_finished(*part)).collect();
         Ok(parts)
+    }
+
+    /// What is told of cases without their signals: those that are made again now.
+    pub(crate) fn words_of_lost(&self) -> Option<String> {
+        let lost: Vec<u64> =
+            self.without_signals.iter().copied().filter(|part| self.due.contains(part)).collect();
+        let first = self.file("signals", *lost.first()?);
+        let others = match lost.len() {
+            1 => String::new(),
+            more => format!(", nor those of {} other parts", more - 1),
+        };
+        Some(format!("{} is not there, or not of these cases{others}: made again", first.display()))
     }
 
     fn remove(&mut self, path: &Path) -> Result<(), Error> {
@@ -84,18 +108,35 @@ impl Parts {
         Ok(())
     }
 
+    /// Those that are whole need not be made again.
+    fn take_over(&mut self, ours: Vec<Marks>) {
+        let (whole, halves): (Vec<_>, Vec<_>) =
+            ours.into_iter().partition(|marks| !self.signals || self.has_signals(marks));
+        self.finished = whole.iter().map(|marks| (marks.part, marks.counts)).collect();
+        self.finished.sort_unstable_by_key(|(part, _)| *part);
+        self.without_signals = halves.iter().map(|marks| marks.part).collect();
+    }
+
+    /// Whether the signals of a part lie beside its cases: somebody may have taken them away, or put others there.
+    fn has_signals(&self, cases: &Marks) -> bool {
+        let path = self.file("signals", cases.part);
+        path.is_file() && data::marks(&path).is_ok_and(|marks| marks.as_ref() == Some(cases))
+    }
+
     fn is_finished(&self, part: u64) -> bool {
         self.finished.iter().any(|(known, _)| *known == part)
     }
 
     /// A part is whole now.
-    pub(crate) fn finish(&mut self, part: u64, failed: u64) {
-        self.finished.push((part, failed));
+    pub(crate) fn finish(&mut self, part: u64, counts: Counts) {
+        self.finished.push((part, counts));
     }
 
     /// Whether all parts are there: those of others, too, which may have come meanwhile.
     pub(crate) fn all_there(&self) -> bool {
-        (1..=self.of).all(|part| self.is_finished(part) || self.file("cases", part).is_file())
+        let there = |kind: &str, part: u64| self.file(kind, part).is_file();
+        let whole = |part: u64| there("cases", part) && (!self.signals || there("signals", part));
+        (1..=self.of).all(|part| self.is_finished(part) || whole(part))
     }
 
     /// The cases of a part.
@@ -151,7 +192,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let cases = folder.path().join("cases");
         std::fs::create_dir(&cases).expect("writable");
-        let parts = Parts::look(folder.path(), "study", 10, None).expect("an empty folder");
+        let parts = Parts::look(folder.path(), "study", 10, None, false).expect("an empty folder");
         let held = crate::data::temporary(&parts.file("cases", 1)).expect("writable");
         std::fs::write(cases.join(".part-1-left.tmp"), "half").expect("writable");
         parts.sweep_up();

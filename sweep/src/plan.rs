@@ -133,6 +133,11 @@ impl Plan {
         Ok(simulation)
     }
 
+    /// Whether every unit lives in a process of its own.
+    pub(crate) fn is_isolated(&self) -> bool {
+        self.scenario.units.iter().all(|unit| unit.isolation.is_some())
+    }
+
     /// Gives a simulation the values of a case.
     pub(crate) fn set(&self, simulation: &mut Simulation, case: u64) -> Result<(), orchestrator::Error> {
         for (at, parameter) in self.parameters.iter().enumerate() {

@@ -60,6 +60,8 @@ pub(crate) struct CaseRecorder {
     numbers: Vec<f64>,
     signals: Vec<Column>,
     kept: Kept,
+    /// A scalar has met a value that is not finite.
+    not_finite: bool,
     start: Rational,
     every: Option<Rational>,
     /// Kept is the first row that is not before this, in s; so many were kept or passed over.
@@ -75,6 +77,7 @@ impl CaseRecorder {
             numbers: Vec::new(),
             signals: plan.signals.clone(),
             kept: Kept::default(),
+            not_finite: false,
             start: plan.scenario.start,
             every: plan.every,
             next: f64::NEG_INFINITY,
@@ -85,6 +88,11 @@ impl CaseRecorder {
     /// The scalars of the run.
     pub(crate) fn scalars(&self) -> Vec<Option<f64>> {
         self.scalars.iter().map(|(.., tally)| tally.finish()).collect()
+    }
+
+    /// Whether a signal that a scalar reads was not finite in some row.
+    pub(crate) fn not_finite(&self) -> bool {
+        self.not_finite
     }
 
     /// The kept rows of the run.
@@ -130,6 +138,7 @@ impl Recorder for CaseRecorder {
         for (.., tally) in &mut self.scalars {
             tally.clear();
         }
+        self.not_finite = false;
         self.kept.times.clear();
         self.kept.columns = self.signals.iter().map(|column| Values::of(column.kind)).collect();
         (self.next, self.count) = (f64::NEG_INFINITY, 0);
@@ -140,7 +149,9 @@ impl Recorder for CaseRecorder {
         self.numbers.clear();
         self.numbers.extend(row.cells().map(number));
         for (at, minus, tally) in &mut self.scalars {
-            tally.push(time, self.numbers[*at] - minus.map_or(0.0, |minus| self.numbers[minus]));
+            let value = self.numbers[*at] - minus.map_or(0.0, |minus| self.numbers[minus]);
+            self.not_finite |= !value.is_finite();
+            tally.push(time, value);
         }
         if !self.signals.is_empty() && time >= self.next {
             self.kept.times.push(time);

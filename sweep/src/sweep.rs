@@ -1,7 +1,7 @@
 //! The sweep itself: which parts are due, their cases on threads, their rows in order into files, and the page when all parts
 //! are there.
 
-use crate::data::{CaseFile, SignalFile, Stamp};
+use crate::data::{CaseFile, Counts, SignalFile, Stamp};
 use crate::error::Error;
 use crate::page;
 use crate::parts::Parts;
@@ -94,6 +94,8 @@ pub struct Done {
     pub ran: u64,
     /// Cases that failed, of the parts that this call made or found.
     pub failed: u64,
+    /// What is to be told of cases whose scalars passed values over that are not finite, if there are any in these parts.
+    pub not_finite: Option<String>,
     /// Parts that are there, and of how many.
     pub parts: (u64, u64),
     /// The page, if all parts are there.
@@ -106,13 +108,17 @@ pub struct Done {
 /// If the folder holds something else, or a file can't be written; if the end was asked for. A case that fails is a row.
 pub fn sweep(plan: &Plan, options: &Options, watch: &dyn Watch) -> Result<Done, Error> {
     let out = &options.out;
-    let mut parts = Parts::look(out, &plan.fingerprint, plan.cases(), options.partition)?;
+    let mut parts =
+        Parts::look(out, &plan.fingerprint, plan.cases(), options.partition, !plan.signals.is_empty())?;
     if options.partition.is_none() {
         parts.sweep_up();
     }
     plan.notices.iter().for_each(|notice| watch.note(notice));
     if parts.removed > 0 {
         watch.note(&format!("{} parts of another study, scenario or unit gave way", parts.removed));
+    }
+    if let Some(lost) = parts.words_of_lost() {
+        watch.note(&lost);
     }
     let due: u64 =
         parts.due.iter().map(|part| range(&parts, *part)).map(|cases| cases.end - cases.start).sum();
@@ -127,20 +133,22 @@ pub fn sweep(plan: &Plan, options: &Options, watch: &dyn Watch) -> Result<Done, 
         write(&study, &plan.text)?;
         write(&resolved, &plan.resolved)?;
         watch.begin(due, there);
-        let reuse = probe::may_reuse(plan)?;
-        if !reuse {
-            watch.note("a unit keeps something over fmi2Reset: every case gets fresh instances");
+        let probed = probe::probe(plan)?;
+        if let Some(note) = probed.note {
+            watch.note(note);
         }
-        run(plan, options, &mut parts, reuse, watch)?;
+        run(plan, options, &mut parts, probed.reuse, watch)?;
     }
     let page = match parts.all_there() {
         true => Some(page::write(plan, &parts, options)?),
         false => None,
     };
+    let counts = Counts::sum(parts.finished.iter().map(|(_, counts)| *counts));
     Ok(Done {
         cases: plan.cases(),
         ran: due,
-        failed: parts.finished.iter().map(|(_, failed)| failed).sum(),
+        failed: counts.failed,
+        not_finite: counts.words(),
         parts: (parts.finished.len() as u64, parts.of),
         page,
     })
@@ -212,11 +220,11 @@ fn run(
             watch.ran(1);
         }
         if last && let Some((cases, signals)) = files.take() {
-            let failed = cases.failed();
+            let counts = cases.counts();
             // The cases last: where they are, the part is whole.
-            signals.map_or(Ok(()), |signals| signals.finish(failed))?;
+            signals.map_or(Ok(()), |signals| signals.finish(&counts))?;
             cases.finish()?;
-            parts.finish(part, failed);
+            parts.finish(part, counts);
         }
         Ok(())
     };

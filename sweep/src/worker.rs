@@ -12,6 +12,8 @@ pub(crate) struct CaseRow {
     pub(crate) case: u64,
     pub(crate) parameters: Vec<Value>,
     pub(crate) outcome: Result<Vec<Option<f64>>, String>,
+    /// A signal that a scalar reads was not finite in some row.
+    pub(crate) not_finite: bool,
     pub(crate) signals: Kept,
 }
 
@@ -48,7 +50,13 @@ impl<'a> Worker<'a> {
             Err(error) => Err(error.to_string()),
         };
         let parameters = (0..self.plan.parameters.len()).map(|at| self.plan.sampler.value(case, at));
-        Some(CaseRow { case, parameters: parameters.collect(), outcome, signals: self.recorder.take() })
+        Some(CaseRow {
+            case,
+            parameters: parameters.collect(),
+            outcome,
+            not_finite: self.recorder.not_finite(),
+            signals: self.recorder.take(),
+        })
     }
 
     fn ran(&mut self, case: u64) -> Result<Ended, Error> {

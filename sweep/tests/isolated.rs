@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, column};
+use common::{Bench, STATEFUL, column, description, library_with};
 use std::time::Duration;
 use sweep::{Limits, Plan, Silent};
 
@@ -32,4 +32,21 @@ fn law_a_crash_or_a_hang_is_a_row() {
         let error = rows[row].last().map(|(_, field)| field.to_string()).unwrap_or_default();
         assert!(error.contains("unit a: in fmi2DoStep at t = 0.375 s") && error.contains(said), "{error}");
     }
+}
+
+#[test]
+fn law_a_library_that_remembers_what_ran_before_gets_a_process_for_each_case() {
+    unit_host();
+    let bench = Bench::new();
+    let remembers = [
+        ("static void start(Unit *u) {", "static double lives;\nstatic void start(Unit *u) {"),
+        ("    u->r[K] = 1;", "    u->r[K] = 1 + lives++;"),
+    ];
+    bench.units.pack("stateful.fmu", &description(STATEFUL), &library_with(&remembers));
+    let text = "[grid]\n\"a.x0\" = [0, 1, 2]\n[scalars]\nend = { signal = \"a.y1\", reduce = \"last\" }\n";
+    let limits = Limits { isolate: true, ..Limits::default() };
+    let plan =
+        Plan::new(&bench.study(text).expect("a study"), &bench.units.unit_path(), &limits).expect("fits");
+    sweep::sweep(&plan, &bench.options("out", 1, None), &Silent).expect("runs");
+    assert_eq!(column(&bench.rows("out", "cases"), "end"), [Some(2.0), Some(3.0), Some(4.0)]);
 }

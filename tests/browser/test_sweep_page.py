@@ -6,6 +6,19 @@ import pyarrow.parquet as parquet
 import pytest
 from conftest import LOOKS, acroscope, middle, shown, violations
 
+# A parameter over three decades.
+DECADES = """
+format = 1
+scenario = "visual-servo"
+stop = 0.3
+[latin-hypercube]
+count = 12
+seed = 1
+"camera.sigma" = { from = 0.01, to = 10, scale = "log" }
+[scalars]
+last = { signal = "plant.q1", reduce = "last" }
+"""
+
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
@@ -108,3 +121,12 @@ def test_ticks_of_a_map_stand_at_the_values_of_the_grid(swept, look):
     texts = look(swept / "two" / "report.html").locator("figure.map").first.locator("svg text").all_text_contents()
     numbers = [float(text) for text in texts if text.strip().replace(".", "", 1).removeprefix("-").isdigit()]
     assert {15, 30, 60, 0, 0.02, 0.04, 0.06} <= set(numbers) and min(numbers) >= 0, numbers
+
+
+def test_a_parameter_in_decades_has_an_axis_in_decades(swept, look):
+    (swept / "decades.toml").write_text(DECADES)
+    acroscope("sweep", swept / "decades.toml", "--out", swept / "decades")
+    page = look(swept / "decades" / "report.html")
+    places = page.evaluate("(({ plot }) => [0.01, 0.1, 1, 10].map((value) => plot.valToPos(value, 'x')))(acro.graphs[0])")
+    assert statistics.pstdev(b - a for a, b in zip(places, places[1:])) < 0.5 and places[0] < places[1], places
+    assert violations(page) == []

@@ -170,3 +170,11 @@ def test_it_is_served_until_it_is_told_to_end(views, look):
         finally:
             server.send_signal(signal.SIGINT)
         assert server.wait(timeout=10) == 0
+
+
+def test_a_boolean_is_drawn_as_steps_and_an_angle_is_not(views, look):
+    page = look(views / "one.html")
+    for name, held in (("plant.contact", True), ("plant.q1", False)):
+        page.select_option("#add", name)
+        assert page.evaluate("acro.graphs.at(-1).described.lines[0].held") is held, name
+        assert page.locator(".plot canvas").count() == page.locator(".plot").count()

@@ -131,7 +131,7 @@ acro.picker = function (select, runs, added) {
     if (!name) return;
     const tables = runs.map((run) => [run, run.signals.find(([known]) => known === name)]).filter(([, found]) => found);
     const joined = uPlot.join(tables.map(([run, found]) => [run.times, acro.column(found[1])]));
-    const lines = tables.map(([run], index) => ({ label: runs.length > 1 ? `${name} (${run.letter})` : name, style: index ? "dashed" : "solid", column: index + 1 }));
+    const lines = tables.map(([run], index) => ({ label: runs.length > 1 ? `${name} (${run.letter})` : name, style: index ? "dashed" : "solid", held: tables[index][1][2], column: index + 1 }));
     const figure = acro.element("figure", { class: "live" });
     document.querySelector(".signals .row").append(figure);
     acro.graph(figure, { title: name, x: "time in s", y: name, over: 0, lines }, (number) => joined[number]);

@@ -7,10 +7,11 @@ mod frames;
 mod machine;
 mod page;
 mod results;
+mod rows;
 mod signals;
 mod wiring;
 
-pub use page::page;
+pub use page::{Shown, page};
 
 use std::path::PathBuf;
 

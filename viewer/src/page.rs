@@ -30,19 +30,28 @@ struct Data<'a> {
 struct Run<'a> {
     letter: &'static str,
     over: usize,
-    /// Every column by its name.
-    signals: Vec<(&'a str, usize)>,
+    /// Every column by its name, and whether its values hold until they change.
+    signals: Vec<(&'a str, usize, bool)>,
     machine: Option<&'a Machine>,
     /// What the drawing needs, by what it is.
     parts: BTreeMap<&'static str, usize>,
     frames: &'a [crate::frames::Frame],
 }
 
+/// A page, and what a person should know of the files that it was made of.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Shown {
+    /// The page.
+    pub html: String,
+    /// What is odd in the files.
+    pub notes: Vec<String>,
+}
+
 /// One self-contained HTML page of the folders of one or two runs.
 ///
 /// # Errors
 /// A folder holds no run, or a file in it can't be read.
-pub fn page(folders: &[PathBuf]) -> Result<String, Error> {
+pub fn page(folders: &[PathBuf]) -> Result<Shown, Error> {
     let runs = folders.iter().map(|folder| Results::read(folder)).collect::<Result<Vec<_>, _>>()?;
     let machines: Vec<Option<Machine>> = runs.iter().map(Machine::of).collect();
     let title: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
@@ -73,7 +82,8 @@ pub fn page(folders: &[PathBuf]) -> Result<String, Error> {
         @if let Some(wired) = below { (wired) }
     });
     page.scripted("view", data, &SCRIPTS, STYLE);
-    Ok(page.to_html())
+    let notes = runs.into_iter().flat_map(|run| run.notes).collect();
+    Ok(Shown { html: page.to_html(), notes })
 }
 
 /// Units and connections: once where two runs have the same.
@@ -105,11 +115,11 @@ fn data(page: &mut Page, runs: &[Results], machines: &[Option<Machine>]) -> Resu
         let thinned = |values: &[f64]| values.iter().copied().step_by(every).collect::<Vec<_>>();
         let over = page.column(&thinned(&run.times))?;
         let mut signals = Vec::new();
-        for (name, values) in &run.columns {
-            signals.push((name.as_str(), page.column(&thinned(values))?));
+        for column in &run.columns {
+            signals.push((column.name.as_str(), page.column(&thinned(&column.values))?, column.held));
         }
         let found =
-            |name: &String| signals.iter().find(|(known, _)| known == name).map(|(_, number)| *number);
+            |name: &String| signals.iter().find(|(known, ..)| known == name).map(|(_, number, _)| *number);
         let parts = machine.iter().flat_map(|machine| &machine.columns);
         let parts = parts.filter_map(|(part, name)| Some((*part, found(name)?))).collect();
         let letter = signals::LETTERS[number % 2];
@@ -188,13 +198,32 @@ mod tests {
     #[test]
     fn law_a_page_needs_nothing_from_elsewhere_and_is_the_same_twice() {
         let (_kept, folder) = result("time,plant.q1,plant.q2\n0,0.1,0.2\n0.5,0.2,0.3\n1,0.3,NaN\n");
-        let html = page(&[folder.clone(), folder.clone()]).expect("a page");
-        assert_eq!(html, page(&[folder.clone(), folder]).expect("once more"));
+        let html = page(&[folder.clone(), folder.clone()]).expect("a page").html;
+        assert_eq!(html, page(&[folder.clone(), folder]).expect("once more").html);
         assert!(html.contains("a &lt;machine>") || html.contains("a &lt;machine&gt;"));
         assert_eq!(html.matches("<canvas").count(), 2, "two machines, no camera");
         let fetches =
             ["src=\"http", "href=\"http", "@import", "fetch("].map(|word| html.matches(word).count());
         assert_eq!(fetches, [0; 4]);
+    }
+
+    #[test]
+    fn law_columns_of_no_unit_are_told_and_signals_that_are_missing() {
+        let (_kept, folder) = result("time,plant.q1,plnt.q2\n0.0,0.1,1\n1.0,0.2,0\n");
+        let told = |folder: &PathBuf| page(std::slice::from_ref(folder)).expect("a page").notes;
+        let notes = told(&folder);
+        assert!(notes.len() == 1 && notes[0].contains("column \"plnt.q2\" is of no unit"), "{notes:?}");
+        let graphs = "[[report.graphs]]\ntitle = \"t\"\ny = \"\"\nlines = [{ signal = \"plant.q3\" }]\n";
+        std::fs::write(folder.join("resolved.toml"), format!("{SCENARIO}{graphs}")).expect("written");
+        let notes = told(&folder);
+        assert!(notes.len() == 2 && notes[1].contains("no column \"plant.q3\", which [report]"), "{notes:?}");
+    }
+
+    #[test]
+    fn law_whole_numbers_are_drawn_as_steps() {
+        let (_kept, folder) = result("time,plant.q1,plant.contact\n0.0,0.1,1\n0.5,0.2,0\n1.0,0.3,1\n");
+        let html = page(&[folder]).expect("a page").html;
+        assert_eq!(html.matches("\"held\":true").count(), 1, "contact, not the angle");
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! Reads the folder of a run: `resolved.toml`, `results.csv`, `summary.json` where there is one, and pictures.
+//! Reads the folder of a run: `resolved.toml`, `results.csv` (`rows.rs`), `summary.json` where there is one, and pictures.
 
 use crate::Error;
 use crate::frames::{self, Frame};
+use crate::rows::{self, Column, Rows};
 use orchestrator::Scenario;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,8 +17,10 @@ pub struct Results {
     pub scenario: Scenario,
     /// Time of each row, s.
     pub times: Vec<f64>,
-    /// Names and values of the other columns. What is no number is NaN.
-    pub columns: Vec<(String, Vec<f64>)>,
+    /// The other columns.
+    pub columns: Vec<Column>,
+    /// What a person should know.
+    pub notes: Vec<String>,
     /// Physical units of columns, where the run said them.
     pub units: BTreeMap<String, String>,
     /// Pictures that were kept, in order.
@@ -33,7 +36,9 @@ impl Results {
             }
         }
         let scenario = Scenario::load(folder.join("resolved.toml"))?;
-        let (times, columns) = rows(&folder.join("results.csv"))?;
+        let path = folder.join("results.csv");
+        let Rows { times, columns, note } = rows::read(&path)?;
+        let notes = note.into_iter().chain(strangers(&path, &scenario, &columns)).collect();
         let summary = summary(&folder.join("summary.json"))?;
         let said = |path: &str| summary.pointer(path).and_then(|value| value.as_str()).map(str::to_owned);
         let title = said("/title").unwrap_or_else(|| scenario.description.clone());
@@ -41,7 +46,7 @@ impl Results {
         let units =
             units.filter_map(|(name, unit)| Some((name.clone(), unit.as_str()?.to_owned()))).collect();
         let frames = frames::read(&folder.join("frames"))?;
-        Ok(Self { title, verdict: said("/verdict/words"), scenario, times, columns, units, frames })
+        Ok(Self { title, verdict: said("/verdict/words"), scenario, times, columns, notes, units, frames })
     }
 
     /// The time at which it failed by its scenario's own rule.
@@ -51,51 +56,15 @@ impl Results {
         Some(self.times[row])
     }
 
+    /// A recorded variable.
+    pub fn recorded(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
     /// The values of a recorded variable.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.columns.iter().find(|(known, _)| known == name).map(|(_, values)| values.as_slice())
+        self.recorded(name).map(|column| column.values.as_slice())
     }
-}
-
-type Columns = Vec<(String, Vec<f64>)>;
-
-fn rows(path: &Path) -> Result<(Vec<f64>, Columns), Error> {
-    let refused = |why: String| Error::File { path: path.to_owned(), why };
-    let mut reader = csv::Reader::from_path(path).map_err(|why| refused(why.to_string()))?;
-    let head = reader.headers().map_err(|why| refused(why.to_string()))?.clone();
-    if head.get(0) != Some("time") {
-        let found = head.get(0).unwrap_or_default();
-        return Err(refused(format!("line 1: the first column is {found:?}; it must be \"time\"")));
-    }
-    let mut times: Vec<f64> = Vec::new();
-    let mut columns: Columns = head.iter().skip(1).map(|name| (name.to_owned(), Vec::new())).collect();
-    let mut record = csv::StringRecord::new();
-    loop {
-        match reader.read_record(&mut record) {
-            Ok(true) => {}
-            Ok(false) => break,
-            // The last line of a run that was cut off in the middle of a row.
-            Err(error) if matches!(error.kind(), csv::ErrorKind::UnequalLengths { .. }) => break,
-            Err(error) => return Err(refused(error.to_string())),
-        }
-        let line = record.position().map_or(0, csv::Position::line);
-        let time = record.get(0).and_then(|cell| cell.parse::<f64>().ok()).filter(|time| time.is_finite());
-        let after = |time: &f64| times.last().is_none_or(|last| time > last);
-        let Some(time) = time.filter(after) else {
-            let cell = record.get(0).unwrap_or_default();
-            return Err(refused(format!(
-                "line {line}: time {cell:?} is no number after that of the row before"
-            )));
-        };
-        times.push(time);
-        for ((_, values), cell) in columns.iter_mut().zip(record.iter().skip(1)) {
-            values.push(cell.parse().unwrap_or(f64::NAN));
-        }
-    }
-    if times.len() < 2 {
-        return Err(refused("it has fewer than two rows: there is nothing to look at".to_owned()));
-    }
-    Ok((times, columns))
 }
 
 fn summary(path: &Path) -> Result<serde_json::Value, Error> {
@@ -107,23 +76,35 @@ fn summary(path: &Path) -> Result<serde_json::Value, Error> {
     serde_json::from_str(&text).map_err(|why| refused(why.to_string()))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::rows;
+/// Columns that no unit of the scenario has, and signals that its page shows and the file lacks: a name was changed in one of the two.
+fn strangers(path: &Path, scenario: &Scenario, columns: &[Column]) -> Vec<String> {
+    let is_known = |name: &str| {
+        let unit = name.split_once('.').map(|(unit, _)| unit);
+        unit.is_some_and(|unit| scenario.units.iter().any(|known| known.name == unit))
+    };
+    let file = path.display();
+    let units: Vec<&str> = scenario.units.iter().map(|unit| unit.name.as_str()).collect();
+    let unknown = columns.iter().map(|column| &column.name).filter(|name| !is_known(name));
+    let unknown = unknown.map(|name| {
+        format!("{file}: column {name:?} is of no unit of resolved.toml; expected UNIT.VARIABLE with a unit of {}", units.join(", "))
+    });
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    let lacking = shown(scenario).into_iter().filter(|signal| !names.contains(signal));
+    let lacking = lacking.map(|signal| {
+        let hint = orchestrator::nearest(signal, names.iter().copied());
+        format!("{file}: it has no column {signal:?}, which [report] of resolved.toml shows: {hint}")
+    });
+    unknown.chain(lacking).collect()
+}
 
-    #[test]
-    fn law_wrong_rows_are_told_by_their_line() {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let path = folder.path().join("results.csv");
-        let told = |text: &str| {
-            std::fs::write(&path, text).expect("written");
-            rows(&path).map(|(times, _)| times).map_err(|error| error.to_string())
-        };
-        assert_eq!(told("time,a.b\n0,1\n1,NaN\n2"), Ok(vec![0.0, 1.0]), "a line that was cut off is none");
-        let wrong = told("time,a.b\n0,1\nx,2\n").expect_err("no number");
-        assert!(wrong.contains("line 3") && wrong.contains("\"x\""), "{wrong}");
-        assert!(told("time,a.b\n1,1\n0,2\n").expect_err("goes back").contains("line 3"));
-        assert!(told("t,a.b\n1,1\n").expect_err("no time").contains("\"t\""));
-        assert!(told("time,a.b\n1,1\n").expect_err("one row").contains("two rows"));
-    }
+/// The signals of the graphs that the scenario asks for, each once.
+fn shown(scenario: &Scenario) -> Vec<&str> {
+    let graphs = scenario.report.get("graphs").and_then(|graphs| graphs.as_array());
+    let lines = graphs.into_iter().flatten().filter_map(|graph| graph.get("lines")?.as_array()).flatten();
+    let mut names: Vec<&str> = lines
+        .flat_map(|line| ["signal", "minus"].into_iter().filter_map(move |key| line.get(key)?.as_str()))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names
 }

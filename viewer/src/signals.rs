@@ -63,16 +63,18 @@ fn scaled(graph: &mut Graph, runs: &[Results], before: &[f64]) {
 }
 
 fn line(run: &Results, wish: &Wish, unit: &str, of: Option<usize>) -> Option<Line> {
-    let values = run.column(&wish.signal)?;
+    let signal = run.recorded(&wish.signal)?;
     let minus = match &wish.minus {
-        Some(name) => Some(run.column(name)?),
+        Some(name) => Some(run.recorded(name)?),
         None => None,
     };
+    let held = signal.held && minus.is_none_or(|minus| minus.held);
+    let minus = minus.map(|minus| &minus.values);
     let mut thinner = Thinner::default();
     // As long as the page of the run shows it.
     let end = run.failed().map_or(f64::INFINITY, |failed| failed + AFTER * (failed - run.times[0]));
     for (row, (time, value)) in
-        run.times.iter().zip(values).enumerate().take_while(|(_, (time, _))| **time <= end)
+        run.times.iter().zip(&signal.values).enumerate().take_while(|(_, (time, _))| **time <= end)
     {
         thinner.push(*time, value - minus.map_or(0.0, |minus| minus[row]));
     }
@@ -84,6 +86,7 @@ fn line(run: &Results, wish: &Wish, unit: &str, of: Option<usize>) -> Option<Lin
         ),
         None => (wish.label.clone(), wish.style),
     };
+    let style = if held { style.held() } else { style };
     Some(Line { label, style, points: thinner.finish() })
 }
 
@@ -121,9 +124,9 @@ fn usual(run: &Results) -> Wished {
     for unit in &run.scenario.units {
         let beginning = format!("{}.", unit.name);
         let moves = |values: &[f64]| values.iter().any(|value| *value != values[0] && value.is_finite());
-        let of_unit =
-            (run.columns.iter()).filter(|(name, values)| name.starts_with(&beginning) && moves(values));
-        for (name, _) in of_unit {
+        let of_unit = (run.columns.iter())
+            .filter(|column| column.name.starts_with(&beginning) && moves(&column.values));
+        for name in of_unit.map(|column| &column.name) {
             let label = name[beginning.len()..].to_owned();
             let wish = Wish { label: label.clone(), signal: name.clone(), minus: None, style: Style::Solid };
             let axis = run.units.get(name).map_or(label.clone(), |unit| format!("{label} in {unit}"));

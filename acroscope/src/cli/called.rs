@@ -9,7 +9,7 @@ use std::time::Duration;
 #[derive(Debug, Args)]
 pub struct Called {
     /// Run every unit in a process of its own: one that crashes or hangs ends the command with what it did; several times slower
-    /// (any unit, format = 2).
+    /// (data sets: any unit, format = 2).
     #[arg(long)]
     pub isolate: bool,
     /// Seconds that a call into a unit may take [default: 30].

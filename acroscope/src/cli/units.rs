@@ -1,5 +1,6 @@
 //! Commands about units and packages: what makes them, and what looks at them.
 
+use super::Called;
 use clap::Args;
 use runner::cli::above_zero;
 use std::path::PathBuf;
@@ -30,7 +31,7 @@ pub struct Check {
 /// `acroscope new`
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  acroscope new plant.fmu controller.fmu -o loop.toml\n  acroscope new my-unit.fmu > alone.toml"
+    after_help = "Examples:\n  acroscope new plant.fmu controller.fmu -o loop.toml\n  acroscope new my-unit.fmu > alone.toml\n  acroscope new slow.fmu --isolate --step-limit 120 -o slow.toml"
 )]
 pub struct New {
     /// The units, in the order in which they are to be stepped.
@@ -42,6 +43,9 @@ pub struct New {
     /// Replace a file that is there.
     #[arg(long)]
     pub force: bool,
+    /// How the units are called when the scenario is tried.
+    #[command(flatten)]
+    pub called: Called,
 }
 
 /// `acroscope container`

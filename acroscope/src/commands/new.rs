@@ -7,8 +7,11 @@ use std::path::Path;
 
 /// Writes the scenario, or prints it.
 pub fn new(arguments: &New, quiet: bool) -> Result<(), Error> {
+    arguments.called.look_out();
+    let isolation = arguments.called.isolation();
+    let draft = |path: &Path| inspection::draft::draft_with(&arguments.files, path, isolation.as_ref());
     let Some(path) = &arguments.output else {
-        let text = inspection::draft::draft(&arguments.files, Path::new("scenario.toml"))?;
+        let text = draft(Path::new("scenario.toml"))?;
         tell!("{}", text.trim_end());
         return Ok(());
     };
@@ -16,7 +19,7 @@ pub fn new(arguments: &New, quiet: bool) -> Result<(), Error> {
     if path.exists() && !arguments.force {
         return Err(Error::There { path: path.clone() });
     }
-    let text = inspection::draft::draft(&arguments.files, path)?;
+    let text = draft(path)?;
     let mut options = std::fs::OpenOptions::new();
     match arguments.force {
         true => options.write(true).create(true).truncate(true),

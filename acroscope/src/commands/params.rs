@@ -27,7 +27,11 @@ struct Parameter {
 
 /// Prints the list.
 pub fn params(arguments: &Params) -> Result<(), Error> {
-    let scenario = scenarios::load(&arguments.scenario)?;
+    let mut scenario = scenarios::load(&arguments.scenario)?;
+    arguments.called.look_out();
+    for unit in &mut scenario.units {
+        unit.isolation = unit.isolation.take().or_else(|| arguments.called.isolation());
+    }
     let simulation = Simulation::new(&scenario, &scenarios::unit_path())?;
     let mut found: Vec<Parameter> = (simulation.units().zip(&scenario.units))
         .flat_map(|((_, description), entry)| of_unit(&scenario, entry, description))

@@ -133,12 +133,15 @@ impl Watch for Looker {
 }
 
 fn summary(done: &Done, out: &Path) {
-    let Done { cases, ran, failed, parts: (there, of), page } = done;
+    let Done { cases, ran, failed, not_finite, parts: (there, of), page } = done;
     let failures = match failed {
         0 => "none failed".to_owned(),
         _ => format!("{failed} failed, and say why in their rows"),
     };
     tell!("{ran} of {cases} cases were run; {failures}");
+    if let Some(words) = not_finite {
+        tell!("{words}");
+    }
     tell!("{}: {there} of {of} parts", out.join("cases").display());
     if let Some(page) = page {
         tell!("the report is {}", page.display());

@@ -9,7 +9,10 @@ use std::path::PathBuf;
 
 /// Writes the page, or serves it until a signal comes.
 pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
-    let html = viewer::page(&arguments.results)?;
+    let viewer::Shown { html, notes } = viewer::page(&arguments.results)?;
+    if !quiet {
+        notes.iter().for_each(|note| complain!("note: {note}"));
+    }
     if let Some(file) = &arguments.output {
         let read = |folder: &PathBuf| ["results.csv", "resolved.toml"].map(|name| folder.join(name));
         keep(&[file.clone()], &arguments.results.iter().flat_map(read).collect::<Vec<_>>())?;

@@ -7,7 +7,7 @@ mod text;
 
 use crate::error::Error;
 use orchestrator::fmu::{Causality, Variable};
-use orchestrator::{Fmu, Scenario, Simulation, UnitPath};
+use orchestrator::{Fmu, Isolation, Scenario, Simulation, UnitPath};
 use std::path::{Path, PathBuf};
 
 /// A unit of the scenario.
@@ -34,6 +34,18 @@ impl Unit {
 /// # Errors
 /// If a unit can't be opened, or the scenario can't be started.
 pub fn draft(files: &[PathBuf], scenario: &Path) -> Result<String, Error> {
+    draft_with(files, scenario, None)
+}
+
+/// The same, with units that are tried in processes of their own if limits are given.
+///
+/// # Errors
+/// As of [`draft`]; if a unit ends its process, or doesn't come back in time.
+pub fn draft_with(
+    files: &[PathBuf],
+    scenario: &Path,
+    isolation: Option<&Isolation>,
+) -> Result<String, Error> {
     let folder = scenario.parent().unwrap_or(Path::new(""));
     let mut units: Vec<Unit> = Vec::new();
     for file in files {
@@ -42,11 +54,11 @@ pub fn draft(files: &[PathBuf], scenario: &Path) -> Result<String, Error> {
         units.push(Unit { name, file: seen_from(folder, file)?, fmu });
     }
     let text = text::scenario(&units, false);
-    match try_out(&text, scenario) {
+    match try_out(&text, scenario, isolation) {
         // Units that depend on each other at once, without a solution: one of them waits.
         Err(orchestrator::Error::Loop { .. }) => {
             let text = text::scenario(&units, true);
-            try_out(&text, scenario)?;
+            try_out(&text, scenario, isolation)?;
             Ok(text)
         }
         other => {
@@ -56,8 +68,11 @@ pub fn draft(files: &[PathBuf], scenario: &Path) -> Result<String, Error> {
     }
 }
 
-fn try_out(text: &str, scenario: &Path) -> Result<(), orchestrator::Error> {
-    let scenario = Scenario::parse(text, scenario)?;
+fn try_out(text: &str, scenario: &Path, isolation: Option<&Isolation>) -> Result<(), orchestrator::Error> {
+    let mut scenario = Scenario::parse(text, scenario)?;
+    for unit in &mut scenario.units {
+        unit.isolation = isolation.cloned();
+    }
     Simulation::new(&scenario, &UnitPath::new())?.initialize()
 }
 

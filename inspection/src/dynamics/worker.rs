@@ -1,17 +1,20 @@
 //! The process in which a rule runs a unit: this very program, started again. It says each call before it makes it, so that
 //! the last ones are known when it does not come back.
 
-use super::{Limits, bench::Bench, look};
+use super::{Limits, bench, look};
 use crate::error::Error;
 use crate::finding::{Finding, Found};
 use orchestrator::Fmu;
+use orchestrator::fmu::Bench;
 use std::collections::VecDeque;
 use std::ffi::OsString;
+use std::fs::File;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
 /// In the environment of the process: rule, unit, bytes of memory.
 const RULE: &str = "ACROSCOPE_CHECK_RULE";
@@ -25,6 +28,9 @@ const TUNABLES: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
 const MARK: &str = "\u{1}acroscope-check ";
 /// How many calls are remembered.
 const REMEMBERED: usize = 8;
+
+/// Where the process says its lines: a copy of the standard output, which a unit may close or take for itself.
+static OUT: OnceLock<Mutex<File>> = OnceLock::new();
 
 static HOST: OnceLock<(PathBuf, Vec<OsString>)> = OnceLock::new();
 
@@ -77,8 +83,13 @@ pub(super) struct Ended {
 fn say(kind: char, text: &str) {
     // In one piece, at the begin of a line whatever the unit printed before.
     let line = format!("\n{MARK}{kind}{}\n", text.replace('\n', " "));
-    let mut out = std::io::stdout().lock();
-    let _ = out.write_all(line.as_bytes()).and_then(|()| out.flush());
+    let _ = match OUT.get() {
+        Some(out) => out.lock().unwrap_or_else(PoisonError::into_inner).write_all(line.as_bytes()),
+        None => {
+            let mut out = std::io::stdout().lock();
+            out.write_all(line.as_bytes()).and_then(|()| out.flush())
+        }
+    };
 }
 
 /// Says which call comes next.
@@ -92,10 +103,14 @@ pub(super) fn say_trace(text: &str) {
 }
 
 fn serve(rule: &str, unit: &Path) -> ! {
+    if let Some(out) = copy_of(1) {
+        OUT.get_or_init(|| Mutex::new(out));
+    }
+    let master = copy_of(0);
     limit_memory();
-    std::thread::spawn(end_with_the_master);
+    std::thread::spawn(|| end_with_the_master(master));
     let findings = match Fmu::open(unit) {
-        Ok(fmu) => look(rule, &Bench::new(fmu)),
+        Ok(fmu) => look(rule, &bench::Bench::new(fmu)),
         Err(error) => {
             let mut found = Found::new("runs");
             found.error(format!("it can't be opened: {error}"));
@@ -107,6 +122,23 @@ fn serve(rule: &str, unit: &Path) -> ! {
     leave(0)
 }
 
+/// A copy of a descriptor at a place where no unit looks for it: among the low numbers are its own files.
+#[cfg(unix)]
+fn copy_of(descriptor: libc::c_int) -> Option<File> {
+    use std::os::fd::FromRawFd as _;
+    /// Below what a process may have open by default, above what it has open.
+    const HIGH: libc::c_int = 700;
+    // SAFETY: plain numbers; the answer is a new descriptor or -1.
+    let copy = unsafe { libc::fcntl(descriptor, libc::F_DUPFD_CLOEXEC, HIGH) };
+    // SAFETY: nobody else has it.
+    (copy >= 0).then(|| unsafe { File::from_raw_fd(copy) })
+}
+
+#[cfg(not(unix))]
+fn copy_of(_: i32) -> Option<File> {
+    None
+}
+
 /// Ends the process without what a unit has registered for its end.
 fn leave(status: i32) -> ! {
     orchestrator::fmu::discard_unpacked();
@@ -115,9 +147,15 @@ fn leave(status: i32) -> ! {
 }
 
 /// The master holds the other end of the standard input: when it has gone, nobody waits for this process.
-fn end_with_the_master() {
-    let _ = std::io::stdin().read(&mut [0]);
-    leave(1);
+fn end_with_the_master(master: Option<File>) {
+    let read = match master {
+        Some(mut master) => master.read(&mut [0]),
+        None => std::io::stdin().read(&mut [0]),
+    };
+    // An error is no end: a unit has closed it.
+    if read.is_ok() {
+        leave(1);
+    }
 }
 
 fn limit_memory() {
@@ -133,7 +171,9 @@ fn limit_memory() {
 pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<Ended, Error> {
     // What the unit prints of itself is shown once, with the first rule.
     let first = rule == super::RULES[0].id;
-    let mut child = process(rule, unit, limits, first)?;
+    // What a process leaves that a unit ends goes with this folder.
+    let room = Bench::new().map_err(|error| Error::Host(error.to_string()))?;
+    let mut child = process(rule, unit, limits, first, room.path())?;
     let Some(out) = child.stdout.take() else { return Err(Error::Host("it has no output".into())) };
     let lines = listen(out, first);
     let mut calls: VecDeque<String> = VecDeque::new();
@@ -157,15 +197,17 @@ pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<En
             Err(RecvTimeoutError::Disconnected) => break false,
         }
     };
-    if hung {
-        let _ = child.kill();
-    }
-    let status = child.wait().map_err(|error| Error::Host(error.to_string()))?;
-    let (end, how) = if hung {
-        let seconds = limits.call.as_secs_f64();
-        ("endless-loop", format!("did not come back within {seconds} s"))
-    } else {
-        how(status)
+    // Whoever can't be heard any more need not have ended.
+    let status = if hung { None } else { ended_within(&mut child, limits.call)? };
+    let (end, how) = match status {
+        Some(status) => how(status),
+        None => {
+            let _ = child.kill();
+            let _ = child.wait();
+            let seconds = limits.call.as_secs_f64();
+            let gone = if hung { "" } else { "closed the files of its process and " };
+            ("endless-loop", format!("{gone}did not come back within {seconds} s"))
+        }
     };
     let mut found = Found::new(end);
     found.error(format!("the unit {how} in {}", last_calls(calls.make_contiguous(), rule)));
@@ -173,13 +215,33 @@ pub(super) fn run(rule: &'static str, unit: &Path, limits: &Limits) -> Result<En
     Ok(ended)
 }
 
-/// Starts this program again to look at a rule.
-fn process(rule: &str, unit: &Path, limits: &Limits, is_heard: bool) -> Result<Child, Error> {
+/// How a process ended, if it does so in time. Its standard input stays open meanwhile: closed, it would end the process.
+fn ended_within(child: &mut Child, limit: Duration) -> Result<Option<ExitStatus>, Error> {
+    let begin = Instant::now();
+    loop {
+        let status = child.try_wait().map_err(|error| Error::Host(error.to_string()))?;
+        if status.is_some() || begin.elapsed() >= limit {
+            return Ok(status);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Starts this program again to look at a rule; temporary files go into a folder.
+fn process(
+    rule: &str,
+    unit: &Path,
+    limits: &Limits,
+    is_heard: bool,
+    temporary: &Path,
+) -> Result<Child, Error> {
     let (program, arguments) =
         HOST.get().cloned().ok_or_else(|| Error::Host("this program does not call host_rules".into()))?;
     let mut command = Command::new(&program);
     command.args(arguments).env(RULE, rule).env(UNIT, unit).env(MEMORY, limits.memory.to_string());
     command.env(TUNABLES.0, TUNABLES.1);
+    // The first is Unix's name, the others are those of Windows.
+    command.env("TMPDIR", temporary).env("TMP", temporary).env("TEMP", temporary);
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt as _;

@@ -80,7 +80,7 @@ pub(super) fn binaries(file: &File<'_>, found: &mut Found) {
     let wanted: Vec<&str> =
         kinds.into_iter().flatten().filter_map(|kind| kind.attribute("modelIdentifier")).collect();
     let sources = archive.entries.iter().any(|entry| entry.name.starts_with("sources/") && !entry.is_folder);
-    if archive.binaries.is_empty() {
+    if archive.binaries.is_empty() && !archive.encrypted_libraries {
         match sources {
             true => found.note("it holds sources and no binaries: masters that don't compile can't run it"),
             false => found.error("it holds neither binaries/PLATFORM/… nor sources: nothing can be run"),

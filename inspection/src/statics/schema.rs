@@ -40,6 +40,7 @@ pub(super) fn schema(file: &File<'_>, found: &mut Found) {
 
 fn check(element: &Element, shape: &'static Shape, found: &mut Found) {
     attributes(element, shape, found);
+    no_text(element, shape, found);
     let mut counts = vec![0usize; shape.children.len()];
     let mut reached = 0;
     for child in &element.children {
@@ -84,6 +85,15 @@ fn check(element: &Element, shape: &'static Shape, found: &mut Found) {
             );
         }
     }
+}
+
+/// No element of a description has text between its elements.
+fn no_text(element: &Element, shape: &Shape, found: &mut Found) {
+    let Some((line, text)) = &element.text else { return };
+    let told: String = text.chars().take(40).collect();
+    let (shape, name) = (shape.name, named(element));
+    let what = format!("<{shape}>{name} holds the text {told:?}: elements only, or nothing, may stand there");
+    found.error_at(*line, what);
 }
 
 /// Which one of many elements.

@@ -61,9 +61,9 @@ impl Archive {
         let folder = Bench::new().map_err(|error| error::unpack(path, &error))?;
         let mut left = limits.unpacked;
         let mut description = None;
-        let mut platforms = Vec::new();
+        let (mut platforms, mut links) = (Vec::new(), Vec::new());
         for index in 0..zip.len() {
-            let mut entry = zip.by_index(index).map_err(|e| broken(e.to_string()))?;
+            let mut entry = entry(&mut zip, index).map_err(broken)?;
             if entry.is_dir() {
                 continue;
             }
@@ -74,6 +74,9 @@ impl Archive {
                 continue;
             }
             if is_wanted(&name, &mut platforms) {
+                if entry.is_symlink() {
+                    links.push(name.clone());
+                }
                 not_too_deep(&name).map_err(broken)?;
                 // One byte more than allowed tells what is too much.
                 let mut file = entry.by_ref().take(left.saturating_add(1));
@@ -93,6 +96,7 @@ impl Archive {
         // The standard hands out the folder whether the unit has resources or not.
         fs::create_dir_all(folder.path().join("resources")).map_err(|e| broken(e.to_string()))?;
         let description = description.ok_or_else(|| broken("it holds no modelDescription.xml".into()))?;
+        no_link(&links, &description).map_err(broken)?;
         Ok((Self { folder, platforms }, description))
     }
 
@@ -139,6 +143,29 @@ impl Archive {
         }
         uri
     }
+}
+
+type Zip = zip::ZipArchive<io::BufReader<File>>;
+
+/// An entry, or its name and why it can't be read: it is encrypted, say.
+fn entry(zip: &mut Zip, index: usize) -> Result<zip::read::ZipFile<'_, io::BufReader<File>>, String> {
+    let name = zip.name_for_index(index).and_then(Result::ok).map(|name| name.into_owned());
+    zip.by_index(index).map_err(|error| format!("{}: {error}", name.unwrap_or_default()))
+}
+
+/// Whether the very library that is loaded is a link. Links beside it, as from one version's name to another's, may be nobody's.
+fn no_link(links: &[PathBuf], description: &Description) -> Result<(), String> {
+    let library = format!("{}.{EXTENSION}", description.co_simulation.model_identifier);
+    let is_it = |name: &&PathBuf| {
+        name.starts_with("binaries") && name.file_name().is_some_and(|file| file.to_string_lossy() == library)
+    };
+    let told = |link: &PathBuf| {
+        let link = link.display();
+        format!(
+            "{link} is a symbolic link, and links in an archive are not followed: pack the file that it leads to"
+        )
+    };
+    links.iter().find(is_it).map_or(Ok(()), |link| Err(told(link)))
 }
 
 /// Whether a run needs the file of this name; adds the platform that it is for, if that is a new one.
@@ -197,6 +224,26 @@ mod tests {
 
     const DESCRIPTION: &str = "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\">\
         <CoSimulation modelIdentifier=\"m\"/><ModelVariables/><ModelStructure/></fmiModelDescription>";
+
+    #[test]
+    fn bad_input_a_library_that_is_a_link_is_told() {
+        let path = tempfile::NamedTempFile::new().expect("a temporary file").into_temp_path();
+        let packed = |link: &str| {
+            let options = zip::write::SimpleFileOptions::default();
+            let file = std::fs::File::create(&path).expect("writable");
+            let mut zip = zip::ZipWriter::new(file);
+            zip.start_file("modelDescription.xml", options).expect("packed");
+            std::io::Write::write_all(&mut zip, DESCRIPTION.as_bytes()).expect("packed");
+            zip.add_symlink(link, "other.so", options).expect("packed");
+            zip.finish().expect("packed");
+            Archive::unpack(&path).map(drop).map_err(|error| error.to_string())
+        };
+        let library = format!("binaries/{}/m.{}", super::PLATFORMS[0], super::EXTENSION);
+        let told = packed(&library).expect_err("a link");
+        assert!(told.contains(&library) && told.contains("is a symbolic link, and links"), "{told}");
+        // What lies beside it may be of use to nobody.
+        assert_eq!(packed(&library.replace("/m.", "/libother.")), Ok(()));
+    }
 
     #[test]
     fn law_a_unit_unpacks_just_as_much_as_it_may() {

@@ -45,6 +45,8 @@ struct Described {
     title: String,
     x: String,
     y: String,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    x_log: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     x_range: Option<(f64, f64)>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -60,6 +62,9 @@ struct Described {
 struct DescribedLine {
     label: String,
     style: &'static str,
+    /// Each value holds until the next one.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    held: bool,
     column: usize,
 }
 
@@ -98,12 +103,14 @@ impl Live {
         for line in &graph.lines {
             let label = if line.label.is_empty() { &graph.y.label } else { &line.label };
             let column = self.column(&spread(&line.points, &xs))?;
-            lines.push(DescribedLine { label: label.clone(), style: style(line.style), column });
+            let held = matches!(line.style, Style::Held(_));
+            lines.push(DescribedLine { label: label.clone(), style: style(line.style), held, column });
         }
         let described = Described {
             title: graph.title.clone(),
             x: graph.x.label.clone(),
             y: graph.y.label.clone(),
+            x_log: graph.x.log,
             x_range: graph.x.range,
             y_range: graph.y.range,
             event: graph.event.clone(),
@@ -187,8 +194,8 @@ fn spread(points: &[(f64, f64)], xs: &[f64]) -> Vec<u64> {
 }
 
 fn style(style: Style) -> &'static str {
-    match style {
-        Style::Solid => "solid",
+    match style.connected() {
+        Style::Solid | Style::Held(_) => "solid",
         Style::Dashed => "dashed",
         Style::Dotted => "dotted",
         Style::Points(Marks::Dot) => "dots",

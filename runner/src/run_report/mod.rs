@@ -15,10 +15,11 @@ pub use summary::{Ended, How, Summary};
 
 use crate::error::Error;
 use layout::{GraphEntry, LineStyle, Mark};
-use orchestrator::Simulation;
+use orchestrator::{Kind, Simulation};
 use report::head::short;
 use report::{Axis, Figure, Graph, Line, Page, Provenance, Standing, Style, Verdict};
 use series::{Series, Wanted};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A run that came to an end, of whatever kind.
@@ -167,10 +168,12 @@ impl Finished<'_> {
             let words = &self.layout.verdict.failed;
             (time, format!("{words} at {} s; scaled up to then", short(time)))
         });
+        let columns = self.simulation.columns().iter().filter(|column| column.kind != Kind::Real);
+        let held: BTreeSet<&str> = columns.map(|column| column.name.as_str()).collect();
         let mut drawn = Vec::new();
         let mut empty = Vec::new();
         for entry in self.layout.graphs() {
-            let graph = graph(entry, series, event.clone());
+            let graph = graph(entry, series, event.clone(), &held);
             match graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| value.is_finite()) {
                 true => drawn.push((graph, String::new())),
                 false => empty.push(entry.title.as_str()),
@@ -192,8 +195,8 @@ impl Finished<'_> {
     }
 }
 
-/// One graph; after the event lines go on a little, but the scale is that of what came before.
-fn graph(entry: &GraphEntry, series: &Series, event: Option<(f64, String)>) -> Graph {
+/// One graph, values of `held` as steps; after the event lines go on a little, but the scale is that of what came before.
+fn graph(entry: &GraphEntry, series: &Series, event: Option<(f64, String)>, held: &BTreeSet<&str>) -> Graph {
     let mut graph = Graph::new(entry.title.clone(), Axis::fitted("time in s"), Axis::fitted(entry.y.clone()));
     for line in &entry.lines {
         let style = match line.style {
@@ -201,6 +204,9 @@ fn graph(entry: &GraphEntry, series: &Series, event: Option<(f64, String)>) -> G
             LineStyle::Dashed => Style::Dashed,
             LineStyle::Dotted => Style::Dotted,
         };
+        let is_held = |name: &String| held.contains(name.as_str());
+        let steps = is_held(&line.signal) && line.minus.iter().all(is_held);
+        let style = if steps { style.held() } else { style };
         let key = (line.signal.clone(), line.minus.clone());
         let points = series.lines.get(&key).cloned().unwrap_or_default();
         graph.lines.push(Line { label: line.label.clone(), style, points });

@@ -1,5 +1,6 @@
 //! `cases/part-*.parquet`: a row for each case.
 
+use super::Counts;
 use super::file::{self, Data, PartFile, Stamp};
 use crate::error::Error;
 use crate::plan::Plan;
@@ -15,7 +16,7 @@ const GROUP: usize = 1 << 14;
 /// A part of the cases, under way.
 pub(crate) struct CaseFile {
     file: PartFile,
-    failed: u64,
+    counts: Counts,
     parameters: usize,
 }
 
@@ -30,12 +31,15 @@ impl CaseFile {
         heads.push(file::text("status"));
         heads.push(("error".to_owned(), None, Data::MaybeText(Vec::new(), Vec::new())));
         let file = PartFile::begin(path, stamp, heads, GROUP)?;
-        Ok(Self { file, failed: 0, parameters: plan.parameters.len() })
+        Ok(Self { file, counts: Counts::default(), parameters: plan.parameters.len() })
     }
 
     pub(crate) fn add(&mut self, row: &CaseRow) -> Result<(), Error> {
         let error = row.outcome.as_ref().err();
-        self.failed += u64::from(error.is_some());
+        self.counts.failed += u64::from(error.is_some());
+        if error.is_none() && row.not_finite {
+            self.counts.add_not_finite(row.case);
+        }
         let scalars = row.outcome.as_deref().unwrap_or_default();
         let count = self.file.columns.len();
         for (at, data) in self.file.columns.iter_mut().enumerate() {
@@ -59,13 +63,13 @@ impl CaseFile {
         self.file.added(1)
     }
 
-    /// How many cases failed.
-    pub(crate) fn failed(&self) -> u64 {
-        self.failed
+    /// How many cases failed, and so on.
+    pub(crate) fn counts(&self) -> Counts {
+        self.counts
     }
 
     pub(crate) fn finish(self) -> Result<(), Error> {
-        self.file.finish(self.failed)
+        self.file.finish(&self.counts)
     }
 }
 

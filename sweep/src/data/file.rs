@@ -1,6 +1,6 @@
 //! One Parquet file: rows are gathered column by column and written in groups; the file gets its name when it is whole.
 
-use super::{FAILED, PART, STUDY};
+use super::{Counts, FAILED, NOT_FINITE, PART, STUDY};
 use crate::error::Error;
 use crate::record::Values;
 use orchestrator::{Column, Kind};
@@ -145,9 +145,12 @@ impl PartFile {
     }
 
     /// Writes what is left and gives the file its name.
-    pub(super) fn finish(mut self, failed_cases: u64) -> Result<(), Error> {
+    pub(super) fn finish(mut self, counts: &Counts) -> Result<(), Error> {
         self.flush()?;
-        self.writer.append_key_value_metadata(KeyValue::new(FAILED.to_owned(), failed_cases.to_string()));
+        self.writer.append_key_value_metadata(KeyValue::new(FAILED.to_owned(), counts.failed.to_string()));
+        if let Some(text) = counts.not_finite_text() {
+            self.writer.append_key_value_metadata(KeyValue::new(NOT_FINITE.to_owned(), text));
+        }
         self.writer.close().map_err(Error::parquet(&self.path))?;
         self.temporary.persist(&self.path).map_err(|why| Error::file(&self.path)(why.error))?;
         Ok(())

@@ -1,6 +1,6 @@
 //! Reads back what was written: what a file is a part of, and columns for the page.
 
-use super::{FAILED, PART, STUDY};
+use super::{Counts, FAILED, NOT_FINITE, PART, STUDY};
 use crate::error::Error;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
@@ -14,7 +14,7 @@ pub(crate) struct Marks {
     pub(crate) fingerprint: String,
     pub(crate) part: u64,
     pub(crate) of: u64,
-    pub(crate) failed: u64,
+    pub(crate) counts: Counts,
 }
 
 fn open(path: &Path) -> Result<SerializedFileReader<File>, Error> {
@@ -35,7 +35,8 @@ pub(crate) fn marks(path: &Path) -> Result<Option<Marks>, Error> {
         let (fingerprint, part) = (find(STUDY)?, find(PART)?);
         let (part, of) = part.split_once('/')?;
         let (part, of) = (part.parse().ok()?, of.parse().ok()?);
-        Some(Marks { fingerprint, part, of, failed: find(FAILED)?.parse().ok()? })
+        let counts = Counts::read(&find(FAILED)?, find(NOT_FINITE).as_deref())?;
+        Some(Marks { fingerprint, part, of, counts })
     };
     Ok(read())
 }

@@ -1,5 +1,6 @@
 //! `signals/part-*.parquet`: the kept rows of each case's run.
 
+use super::Counts;
 use super::file::{self, Data, PartFile, Stamp};
 use crate::error::Error;
 use crate::plan::Plan;
@@ -43,7 +44,7 @@ impl SignalFile {
         self.file.added(rows)
     }
 
-    pub(crate) fn finish(self, failed: u64) -> Result<(), Error> {
-        self.file.finish(failed)
+    pub(crate) fn finish(self, counts: &Counts) -> Result<(), Error> {
+        self.file.finish(counts)
     }
 }

@@ -2,7 +2,7 @@
 
 mod pictures;
 
-use crate::data;
+use crate::data::{self, Counts};
 use crate::error::Error;
 use crate::parts::Parts;
 use crate::plan::Plan;
@@ -26,9 +26,9 @@ pub(crate) struct Columns {
 
 /// Writes the page beside the parts.
 pub(crate) fn write(plan: &Plan, parts: &Parts, options: &Options) -> Result<PathBuf, Error> {
-    let (columns, failed, errors) = read(plan, parts)?;
+    let (columns, counts, errors) = read(plan, parts)?;
     let mut page = Page::new(format!("{}: {} cases", plan.name, plan.cases()));
-    page.verdict(&verdict(plan, &columns, failed));
+    page.verdict(&verdict(plan, &columns, counts));
     let provenance = provenance(plan, parts, options);
     page.origin_line(&provenance);
     pictures::draw(&mut page, plan, &columns)?;
@@ -51,26 +51,26 @@ pub(crate) fn write(plan: &Plan, parts: &Parts, options: &Options) -> Result<Pat
 /// Errors by their case.
 type Errors = Vec<(u64, String)>;
 
-fn read(plan: &Plan, parts: &Parts) -> Result<(Columns, u64, Errors), Error> {
+fn read(plan: &Plan, parts: &Parts) -> Result<(Columns, Counts, Errors), Error> {
     let count = plan.parameters.len() + plan.scalars.len();
     let places: Vec<usize> = (1..=count).collect();
     let mut all = vec![Vec::new(); count];
-    let (mut failed, mut errors) = (0, Vec::new());
+    let (mut counts, mut errors) = (Vec::new(), Vec::new());
     let shown = if plan.cases() <= LISTED { plan.cases() as usize } else { SHOWN };
     for part in 1..=parts.of {
         let path = parts.file("cases", part);
         let first = parts.range(part).start;
         data::numbers(&path, &places, &mut all)?;
-        failed += data::marks(&path)?.map_or(0, |marks| marks.failed);
+        counts.extend(data::marks(&path)?.map(|marks| marks.counts));
         let more = data::texts(&path, count + 2, shown - errors.len())?;
         errors.extend(more.into_iter().map(|(row, text)| (first + row as u64, text)));
     }
     let scalars = all.split_off(plan.parameters.len());
-    Ok((Columns { parameters: all, scalars }, failed, errors))
+    Ok((Columns { parameters: all, scalars }, Counts::sum(counts.into_iter()), errors))
 }
 
-fn verdict(plan: &Plan, columns: &Columns, failed: u64) -> Verdict {
-    let cases = plan.cases();
+fn verdict(plan: &Plan, columns: &Columns, counts: Counts) -> Verdict {
+    let (cases, failed) = (plan.cases(), counts.failed);
     let words = match failed {
         0 => format!("All {cases} cases ran."),
         _ => format!("{failed} of {cases} cases failed."),
@@ -104,7 +104,8 @@ fn verdict(plan: &Plan, columns: &Columns, failed: u64) -> Verdict {
         }));
     }
     let standing = if failed == 0 { Standing::Plain } else { Standing::Bad };
-    Verdict { standing, words, figures, notes: plan.notices.clone() }
+    let notes = plan.notices.iter().cloned().chain(counts.words()).collect();
+    Verdict { standing, words, figures, notes }
 }
 
 /// What a scalar is, in words.

@@ -117,7 +117,9 @@ fn curve(
 ) -> Result<Markup, Error> {
     let mut points: Vec<(f64, f64)> = axis.values.iter().copied().zip(values.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let graph = Graph::new(words(plan, scalar), Axis::fitted(&axis.label), Axis::fitted(label(plan, scalar)))
+    let mut across = Axis::fitted(&axis.label);
+    across.log = is_geometric(&points);
+    let graph = Graph::new(words(plan, scalar), across, Axis::fitted(label(plan, scalar)))
         .with(Line::solid("from case to case", points.clone()))
         .with(Line::dots("cases", points));
     Ok(page.place(&graph, &format!("{}; no point where there is no value.", words(plan, scalar)))?)
@@ -185,6 +187,14 @@ fn logarithmic(values: &[f64]) -> bool {
     low > 0.0 && high / low >= 20.0
 }
 
+/// Whether rising values have even steps of the logarithm, as `scale = "log"` makes them.
+fn is_geometric(points: &[(f64, f64)]) -> bool {
+    let ratio = |pair: &[(f64, f64)]| pair[1].0 / pair[0].0;
+    let first = points.get(..2).map_or(f64::NAN, ratio);
+    let even = |pair: &[(f64, f64)]| pair[0].0 > 0.0 && (ratio(pair) / first - 1.0).abs() < 1e-9;
+    points.len() > 2 && first > 1.0 && points.windows(2).all(even)
+}
+
 /// Half-way between neighbours; the outer ones as far outside.
 fn edges(values: &[f64]) -> Vec<f64> {
     let middle = |a: f64, b: f64| 0.5 * (a + b);
@@ -200,9 +210,13 @@ fn points(page: &mut Page, plan: &Plan, columns: &Columns, scalar: usize) -> Res
     let values = &columns.scalars[scalar];
     let every = values.len().div_ceil(POINTS).max(1);
     let mut pictures = Vec::new();
-    let shown =
-        plan.parameters.iter().zip(&columns.parameters).filter(|(_, x)| x.iter().all(|x| x.is_finite()));
-    for (column, x) in shown.take(PICTURES) {
+    let shown = plan
+        .parameters
+        .iter()
+        .zip(&columns.parameters)
+        .enumerate()
+        .filter(|(_, (_, x))| x.iter().all(|x| x.is_finite()));
+    for (at, (column, x)) in shown.take(PICTURES) {
         let all = x.iter().copied().zip(values.iter().copied());
         let mut points: Vec<(f64, f64)> = all.step_by(every).filter(|(_, value)| value.is_finite()).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -210,12 +224,10 @@ fn points(page: &mut Page, plan: &Plan, columns: &Columns, scalar: usize) -> Res
             continue;
         }
         let thinned = if every > 1 { format!(", every {every}th case") } else { String::new() };
-        let graph = Graph::new(
-            words(plan, scalar),
-            Axis::fitted(labelled(&column.name, &column.unit)),
-            Axis::fitted(label(plan, scalar)),
-        )
-        .with(Line::dots("cases", points));
+        let mut across = Axis::fitted(labelled(&column.name, &column.unit));
+        across.log = matches!(plan.sampler.design(), Design::Sampled(sampled) if sampled.ranges[at].log);
+        let graph = Graph::new(words(plan, scalar), across, Axis::fitted(label(plan, scalar)))
+            .with(Line::dots("cases", points));
         pictures.push(page.place(&graph, &format!("{}, a point a case{thinned}.", words(plan, scalar)))?);
     }
     Ok(pictures)
@@ -223,12 +235,15 @@ fn points(page: &mut Page, plan: &Plan, columns: &Columns, scalar: usize) -> Res
 
 #[cfg(test)]
 mod tests {
-    use super::{edges, logarithmic, order};
+    use super::{edges, is_geometric, logarithmic, order};
 
     #[test]
     fn value_edges_lie_half_way() {
         assert_eq!(edges(&[1.0, 2.0, 4.0]), [0.5, 1.5, 3.0, 5.0]);
         assert_eq!(order(&[3.0, 1.0, 2.0]), [1, 2, 0]);
+        let over = |values: [f64; 3]| is_geometric(&values.map(|x| (x, 0.0)));
+        assert!(over([0.1, 1.0, 10.0]) && !over([1.0, 2.0, 3.0]) && !over([2.0, 2.0, 2.0]));
+        assert!(!over([-1.0, 1.0, -1.0]) && !is_geometric(&[(1.0, 0.0), (2.0, 0.0)]));
         assert!(logarithmic(&[5.0, 240.0]) && !logarithmic(&[0.0, 100.0]) && !logarithmic(&[15.0, 240.0]));
     }
 }

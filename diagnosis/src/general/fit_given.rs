@@ -12,7 +12,6 @@ use crate::observe::Scale;
 use crate::options::Options;
 use crate::search::Policy;
 use crate::search::class::Alternative;
-use crate::search::limits::with_limits_moved;
 use crate::search::trials::trials;
 use orchestrator::nearest;
 
@@ -84,7 +83,7 @@ fn fit_limits(engine: &Engine, start: &At, free: &[usize], sizes: &Sizes) -> Res
             }
         }
     }
-    Ok(with_limits_moved(&engine.machine, free, best, fitted))
+    Ok(best)
 }
 
 /// Whether a fit is where it began.

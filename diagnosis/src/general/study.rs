@@ -317,12 +317,6 @@ pub fn studied(
     watch.end_at(end);
     here = search.with_linearised_runs(here)?;
     let mut residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);
-    if residual.unlisted.is_some()
-        && let Some(moved) = search.limits_moved(&effects, &here)
-    {
-        here = search.with_linearised_runs(moved)?;
-        residual = residual::judge_residual(&built.engine, &here, &sizes, &search.policy);
-    }
     if residual.unlisted.is_some() && problem.ports.unknown_inputs {
         (effects, here, residual) = name_the_rest(&mut search, residual, effects, here, watch)?;
     }

@@ -5,7 +5,6 @@
 //! - `screened.rs`: fits of what was screened, from where it begins
 //! - `late.rs`: delays of sensors, screened along the model's own path
 //! - `walk.rs`: the search itself; every model on its way is fitted
-//! - `limits.rs`: limits moved on, where a fit ended next to their valley
 //! - `across.rs`: one sensor in the place of several inputs, and the other way round
 //! - `pairs.rs`: two effects that only together explain what is left
 //! - `class.rs`: what else fits as well in an effect's place
@@ -16,7 +15,6 @@
 mod across;
 pub mod class;
 mod late;
-pub mod limits;
 pub mod nearest;
 mod pairs;
 mod policy;

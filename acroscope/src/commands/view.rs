@@ -15,7 +15,7 @@ pub fn view(arguments: &View, quiet: bool) -> Result<(), Error> {
     }
     if let Some(file) = &arguments.output {
         let read = |folder: &PathBuf| ["results.csv", "resolved.toml"].map(|name| folder.join(name));
-        keep(&[file.clone()], &arguments.results.iter().flat_map(read).collect::<Vec<_>>())?;
+        keep(std::slice::from_ref(file), &arguments.results.iter().flat_map(read).collect::<Vec<_>>())?;
         std::fs::write(file, html).map_err(Error::file(file))?;
         if !quiet {
             tell!("the page is {}", file.display());

@@ -40,7 +40,7 @@ fi
 
 step "The maker of hidden data, and a slice of blind diagnoses"
 (cd tests && ../.venv/bin/python -m pytest -q hidden)
-(cd tests && ../.venv/bin/python -m pytest -q hidden_any)
+(cd tests && ../.venv/bin/python -m pytest -q hidden_any -n 2)
 .venv/bin/python scripts/blind.py
 .venv/bin/python scripts/blind_any.py
 

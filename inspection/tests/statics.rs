@@ -347,6 +347,27 @@ fn value_findings_are_sentences_and_have_their_line() {
     assert!(text.contains("start=\"2,5\" in <Real>: wanted is a number"), "{text}");
 }
 
+/// 20 000 references to a text of a million letters: whoever puts them in handles 20 GB.
+#[test]
+fn bad_input_entities_are_not_blown_up() {
+    let units = Units::new();
+    let entity = format!("<!DOCTYPE f [<!ENTITY b \"{}\">]>\n<fmiModelDescription", "a".repeat(1_000_000));
+    let tool = format!(
+        "<VendorAnnotations><Tool name=\"t\">{}</Tool></VendorAnnotations>\n",
+        "<a>&b;</a>".repeat(20_000)
+    );
+    let text = DESCRIPTION.replacen("<fmiModelDescription", &entity, 1).replacen(
+        "  <ModelVariables",
+        &format!("{tool}  <ModelVariables"),
+        1,
+    );
+    assert!(text.len() > DESCRIPTION.len() + 1_200_000, "both are in it");
+    let findings = check(&units.pack("entities.fmu", &text, &[]));
+    let told: Vec<_> = findings.iter().filter(|finding| finding.rule == "well-formed").collect();
+    assert!(told.len() == 1 && told[0].severity == Warning, "{told:#?}");
+    assert!(told[0].text.starts_with("modelDescription.xml:2: a document type definition"), "{}", told[0]);
+}
+
 /// The byte of an ü in Latin-1, in the third line.
 #[test]
 fn value_a_description_in_another_encoding_is_told_with_its_line() {

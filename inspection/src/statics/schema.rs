@@ -10,15 +10,25 @@ use crate::xml::Element;
 use orchestrator::nearest;
 use tables::{Group, ROOT, Shape};
 
-/// Whether it is XML. Our own reader goes on where it can; one that goes by the letter says what other readers refuse.
+/// Elements and texts of a description, at most, of which a second tree is made: a few hundred MB.
+const MOST_NODES: u32 = 1 << 23;
+
+/// Whether it is XML. Our own reader goes on where it can; one that goes by the letter says what other readers refuse. It is not asked of what
+/// defines entities, which a few bytes blow up to any size, nor of more than it may hold.
 pub(super) fn well_formed(file: &File<'_>, found: &mut Found) {
     if let Some(Err((line, what))) = file.tree {
         return found.error_at(*line, what);
     }
     let Ok(Ok(text)) = &file.archive.description else { return };
-    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-    if let Err(error) = roxmltree::Document::parse_with_options(text, options) {
-        found.error_at(error.pos().row as usize, error);
+    let options = roxmltree::ParsingOptions { nodes_limit: MOST_NODES, ..Default::default() };
+    match roxmltree::Document::parse_with_options(text, options) {
+        Ok(_) | Err(roxmltree::Error::NodesLimitReached) => {}
+        Err(roxmltree::Error::DtdDetected) => {
+            let before = text.find("<!DOCTYPE").map_or("", |place| &text[..place]);
+            let what = "a document type definition: FMI knows none, and readers refuse it or put in whatever it says";
+            found.warning_at(1 + before.matches('\n').count(), what);
+        }
+        Err(error) => found.error_at(error.pos().row as usize, error),
     }
 }
 

@@ -22,6 +22,24 @@ pub fn data_set(out: &Path, force: bool) -> Result<Vec<PathBuf>, Error> {
     }
 }
 
+/// The files that a data set names, under whatever key: its model, its logs. One that can't be read names none; the diagnosis says why.
+pub fn files_of(folder: &Path) -> Vec<PathBuf> {
+    let text = orchestrator::plain::read_text(&folder.join("dataset.toml")).unwrap_or_default();
+    let table: toml::Table = text.parse().unwrap_or_default();
+    let mut all = Vec::new();
+    texts(&toml::Value::Table(table), &mut |text| all.push(folder.join(text)));
+    all
+}
+
+fn texts(value: &toml::Value, found: &mut impl FnMut(&str)) {
+    match value {
+        toml::Value::String(text) => found(text),
+        toml::Value::Array(list) => list.iter().for_each(|value| texts(value, found)),
+        toml::Value::Table(table) => table.iter().for_each(|(_, value)| texts(value, found)),
+        _ => {}
+    }
+}
+
 /// Logs of a run of our own rig.
 const LOGS: [&str; 3] = ["camera.csv", "controller.csv", "plant.csv"];
 

@@ -102,6 +102,15 @@ fn what_is_read_is_not_written_over() {
         assert!(text.contains(&told), "{arguments:?}: {text}");
         assert_eq!(read(), before, "{arguments:?}");
     }
+    // a log that is called as a diagnosis calls what it feeds an amended scenario
+    std::fs::create_dir(at("set")).expect("writable");
+    std::fs::write(at("set/inputs.csv"), "time,tau\n0,0\n1,0.1\n").expect("writable");
+    let data = "format = 2\nfmu = \"../plant.fmu\"\n[[channel]]\nvariable = \"plant.tau\"\n[[run]]\nfile = \"inputs.csv\"\n";
+    std::fs::write(at("set/dataset.toml"), data).expect("writable");
+    let output = run(folder.path(), &["diagnose", "set", "--out", "set"]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("set/inputs.csv: it is read for this, and would be written over"), "{text}");
+    assert_eq!(output.status.code(), Some(2), "{text}");
     // its own results in a place of their own, and once more there: the resolved scenario says the same again
     for scenario in ["s.toml", "out/resolved.toml"] {
         let output = run(folder.path(), &["run", scenario, "--out", "out"]);

@@ -1,11 +1,12 @@
 //! `acroscope diagnose`: what a model lacks against measured data.
 
 use crate::cli::{Called, Diagnose};
+use crate::data_set::files_of;
 use crate::error::Error;
 use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use report::head::shell_word;
-use runner::folder::Folder;
+use runner::folder::{Folder, keep};
 use runner::request::folder_name;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,8 @@ const MINUTE: f64 = 60.0;
 /// Diagnoses the data set and writes `diagnosis.json`, `amended.toml` and `report.html`.
 pub fn diagnose(arguments: &Diagnose, quiet: bool) -> Result<(), Error> {
     let out = arguments.out.clone().unwrap_or_else(|| default_folder(arguments));
+    let written: Vec<PathBuf> = diagnosis::FILES.iter().map(|name| out.join(name)).collect();
+    keep(&written, &files_of(&arguments.dataset))?;
     // Before the work, so that a folder that can't be made costs no minute; it vanishes again, since a unit may end the program.
     drop(Folder::make(&out)?);
     let spinner = spinner(quiet);

@@ -102,6 +102,13 @@ fn what_is_read_is_not_written_over() {
         assert!(text.contains(&told), "{arguments:?}: {text}");
         assert_eq!(read(), before, "{arguments:?}");
     }
+    let study = "format = 1\nscenario = \"resolved.toml\"\n[grid]\n\"plant.b_joint\" = [0.0, 0.1]\n\
+                 [scalars]\nlast = { signal = \"plant.q1\", reduce = \"last\" }\n";
+    std::fs::write(at("study.toml"), study).expect("writable");
+    let output = run(folder.path(), &["sweep", "study.toml", "--out", "."]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("resolved.toml: it is read for this"), "{text}");
+    assert_eq!((output.status.code(), read() == before), (Some(2), true), "{text}");
     // a log that is called as a diagnosis calls what it feeds an amended scenario
     std::fs::create_dir(at("set")).expect("writable");
     std::fs::write(at("set/inputs.csv"), "time,tau\n0,0\n1,0.1\n").expect("writable");

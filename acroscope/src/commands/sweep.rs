@@ -4,7 +4,7 @@ use crate::cli::Sweep;
 use crate::error::Error;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use report::head::shell_word;
-use runner::folder::Folder;
+use runner::folder::{Folder, keep};
 use runner::request::{folder_name, isolation_words};
 use runner::signals::{self, Looking};
 use std::io::IsTerminal as _;
@@ -17,6 +17,9 @@ pub fn sweep(arguments: &Sweep, quiet: bool) -> Result<(), Error> {
     let study = study(arguments)?;
     let out = arguments.out.clone().unwrap_or_else(|| default_folder(arguments, &study));
     let plan = Plan::new(&study, &scenarios::unit_path(), &limits(arguments)?)?;
+    // the study itself is written as it is
+    let written = ["resolved.toml", "report.html"].map(|name| out.join(name));
+    keep(&written, &[(&study.scenario).into(), (&arguments.study).into()])?;
     let _folder = Folder::make(&out)?;
     let options = Options {
         out: out.clone(),

@@ -46,7 +46,7 @@ pub struct Study {
     /// Its name, for titles and folders.
     pub name: String,
     /// The scenario: a shipped one, or a path.
-    pub(crate) scenario: String,
+    pub scenario: String,
     /// Where it was named.
     pub(crate) scenario_place: String,
     /// Stop time as it was typed, and where.

@@ -3,11 +3,11 @@
 mod common;
 
 use common::{
-    Bench, LEAKY, ONLY_ONCE, STATEFUL, column, described_as_only_once, description, files, library_with,
+    Bench, LEAKY, Notes, ONLY_ONCE, STATEFUL, column, described_as_only_once, description, files,
+    library_with,
 };
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation};
 use parquet::record::Field;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use sweep::{Error, Limits, Plan, Silent, Study, Watch};
 
@@ -168,20 +168,6 @@ fn law_a_unit_that_keeps_something_over_a_reset_gets_fresh_instances() {
     assert!(said.contains("keeps something over fmi2Reset"), "{said}");
     assert_eq!(reals(&bench.rows("leaky", "cases"), "end"), [2.0, 3.0, 4.0]);
     assert_eq!(bench.rows("leaky", "cases"), bench.rows("honest", "cases"));
-}
-
-#[derive(Default)]
-struct Notes(Mutex<Vec<String>>);
-
-impl Watch for Notes {
-    fn begin(&self, _: u64, _: u64) {}
-    fn ran(&self, _: u64) {}
-    fn note(&self, text: &str) {
-        self.0.lock().expect("no panic").push(text.to_owned());
-    }
-    fn ends(&self) -> bool {
-        false
-    }
 }
 
 /// Asks for the end after so many cases.

@@ -2,27 +2,11 @@
 
 mod common;
 
-use common::{Bench, STATEFUL, column, description, library_with};
-use std::sync::Mutex;
-use sweep::Watch;
+use common::{Bench, Notes, STATEFUL, column, description, library_with};
 
 /// 3 cases: an integrator of 2 from x0 on, with its rows.
 const KEPT: &str = "[grid]\n\"a.x0\" = [0, 1, 2]\n[scalars]\nend = { signal = \"a.y1\", reduce = \"last\" }\n\
     [signals]\nvariables = [\"a.y1\"]\n";
-
-#[derive(Default)]
-struct Notes(Mutex<Vec<String>>);
-
-impl Watch for Notes {
-    fn begin(&self, _: u64, _: u64) {}
-    fn ran(&self, _: u64) {}
-    fn note(&self, text: &str) {
-        self.0.lock().expect("no panic").push(text.to_owned());
-    }
-    fn ends(&self) -> bool {
-        false
-    }
-}
 
 #[test]
 fn law_a_part_without_its_signals_is_made_again() {

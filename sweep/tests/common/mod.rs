@@ -12,6 +12,7 @@ pub use units::{
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use sweep::{Done, Error, Limits, Options, Plan, Silent, Study, Watch};
 
 /// One unit, a clock or an integrator of 2, that steps by 1/8 s to 1 s.
@@ -108,4 +109,19 @@ pub fn column(rows: &[Vec<(String, Field)>], name: &str) -> Vec<Option<f64>> {
         _ => None,
     };
     rows.iter().map(number).collect()
+}
+
+/// Keeps what a sweep tells.
+#[derive(Default)]
+pub struct Notes(pub Mutex<Vec<String>>);
+
+impl Watch for Notes {
+    fn begin(&self, _: u64, _: u64) {}
+    fn ran(&self, _: u64) {}
+    fn note(&self, text: &str) {
+        self.0.lock().expect("no panic").push(text.to_owned());
+    }
+    fn ends(&self) -> bool {
+        false
+    }
 }

@@ -90,6 +90,7 @@ fn gaps(
 ) -> (Vec<usize>, Vec<Gap>) {
     let gap = |(channel, output): (usize, &Output)| {
         let floor = output.noise.unwrap_or_else(|| floor(noise[channel], &built.scatter[channel]));
+        let floor = libm::hypot(floor, by_times(after, channel));
         let told = |windows: &[Window]| mean(windows, channel).unwrap_or(f64::NAN);
         let (from, to) = (told(before), told(after));
         let gap = Gap {
@@ -149,7 +150,7 @@ pub struct Squares {
     before: f64,
     /// With the model found.
     after: f64,
-    /// What noise alone leaves: one of each channel that has any.
+    /// What noise alone leaves: one of each channel that has any, and what timestamps that scatter add.
     noise: f64,
 }
 
@@ -160,7 +161,7 @@ impl Squares {
         Self {
             before: judged(before, &sizes),
             after: judged(after, &sizes),
-            noise: sizes.iter().filter(|size| **size > 0.0).count() as f64,
+            noise: left_by_noise(after, &sizes),
         }
     }
 
@@ -200,11 +201,26 @@ fn judged(windows: &[Window], noise: &[f64]) -> f64 {
     noise.iter().enumerate().filter(|(_, size)| **size > 0.0).map(square).sum()
 }
 
+/// Mean squares that noise leaves of these windows, and the scatter of timestamps with it, all channels that have noise together, each in
+/// units of it.
+fn left_by_noise(windows: &[Window], noise: &[f64]) -> f64 {
+    let judging = || windows.iter().filter(|window| !window.is_bold);
+    let square = |(channel, size): (usize, &f64)| 1.0 + (by_times(judging(), channel) / size).powi(2);
+    noise.iter().enumerate().filter(|(_, size)| **size > 0.0).map(square).sum()
+}
+
 /// Root mean square of a channel's residuals over windows, in the channel's unit; nothing where there is no value.
 fn mean<'a>(windows: impl IntoIterator<Item = &'a Window>, channel: usize) -> Option<f64> {
     let add = |(s, n): (f64, f64), w: &Window| (s + w.sums[channel].square, n + w.sums[channel].count);
     let (square, count) = windows.into_iter().fold((0.0, 0.0), add);
     (count > 0.0).then(|| (square / count).sqrt())
+}
+
+/// What timestamps that scatter leave of a channel over windows, root mean square, in the channel's unit.
+fn by_times<'a>(windows: impl IntoIterator<Item = &'a Window>, channel: usize) -> f64 {
+    let add = |(s, n): (f64, f64), w: &Window| (s + w.sums[channel].by_times, n + w.sums[channel].count);
+    let (square, count) = windows.into_iter().fold((0.0, 0.0), add);
+    if count > 0.0 { (square / count).sqrt() } else { 0.0 }
 }
 
 /// Whether a channel's excess over its noise tells of a model where so many values are compared: half as much again as the noise.
@@ -254,7 +270,8 @@ mod tests {
 
     /// A window of four values of each channel that have these root mean squares.
     fn window(means: &[f64], is_bold: bool) -> Window {
-        let sums = means.iter().map(|mean| Sum { square: 4.0 * mean * mean, count: 4.0 }).collect();
+        let sums =
+            means.iter().map(|mean| Sum { square: 4.0 * mean * mean, count: 4.0, by_times: 0.0 }).collect();
         Window { run: 0, from: 0.0, to: 1.0, sums, points: Vec::new(), states: Vec::new(), is_bold }
     }
 

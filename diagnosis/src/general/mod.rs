@@ -13,6 +13,7 @@
 //! - `rows_left_out.rs`: which rows are searched, and which are left out for the gap
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
 //! - `windows.rs`: windows of a run, each followed from a start state of its own
+//! - `times_off.rs`: what timestamps that scatter leave of one
 //! - `courses.rs`: measured, nominal and amended there, for the page
 //! - `findings.rs`: effects, classes, what the data would show
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
@@ -38,6 +39,7 @@ mod runs;
 mod sensor;
 mod study;
 mod table;
+mod times_off;
 mod windows;
 
 pub use study::diagnosed;

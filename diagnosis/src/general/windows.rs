@@ -2,6 +2,7 @@
 
 use super::policy::GENERAL;
 use super::study::Studied;
+use super::times_off;
 use crate::dynamics::Engine;
 use crate::dynamics::grid::Sample;
 use crate::infer::fit::{At, Fit, Options, Path, fit};
@@ -16,6 +17,8 @@ pub struct Sum {
     pub square: f64,
     /// Number of values, less those that the start states take away.
     pub count: f64,
+    /// What timestamps that scatter leave of the squares.
+    pub by_times: f64,
 }
 
 /// One window's residuals, and the states that it was followed through.
@@ -110,6 +113,7 @@ pub fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<
         let part = |part| Rows {
             engine,
             noise: &noise,
+            jitter: trained.fit.at.noise.jitter,
             run,
             from: part * rows / count,
             to: (part + 1) * rows / count,
@@ -126,6 +130,8 @@ pub fn windows(engine: &Engine, models: &[Model<'_>], trained: &Studied) -> Vec<
 struct Rows<'a> {
     engine: &'a Engine,
     noise: &'a Noise,
+    /// Standard deviation of the timestamps, s, which the fit of a window knows nothing of.
+    jitter: f64,
     run: usize,
     from: usize,
     to: usize,
@@ -184,6 +190,8 @@ impl Rows<'_> {
         // each start state takes a value's worth of the residual away
         let share = (all - n as f64) / all;
         sums.iter_mut().for_each(|sum| sum.count *= share);
+        let by_times = times_off::squares(run, &noise.channels, self.jitter);
+        sums.iter_mut().zip(by_times).for_each(|(sum, by)| sum.by_times = by);
         let path = &fitted.at.paths[0];
         let states = (0..run.rows()).flat_map(|row| (0..n).map(move |i| (row * n + i, row * wide + i)));
         let states = states.map(|(at, by)| path[at] + moved[by]).collect();

@@ -5,7 +5,7 @@ use super::policy::DYNAMICS;
 use super::schedule::Schedule;
 use super::worker::Job;
 use crate::error::Error;
-use crate::statistics::levels::FINE;
+use crate::statistics::levels::{FEW, FINE, STEP};
 use crate::statistics::linear::RANK_TOLERANCE;
 
 /// Share of an output below which a state moves it not at all: a state that is forgotten within a row leaves rounding, by which it would have to
@@ -13,6 +13,13 @@ use crate::statistics::linear::RANK_TOLERANCE;
 const FORGOTTEN: f64 = RANK_TOLERANCE;
 /// The same for an input, of which nobody knows how large it is: a thousandth of a watt hardly warms a room within a log, and that is no rounding.
 const NOTHING: f64 = FINE * RANK_TOLERANCE;
+
+/// Steps by which a state is moved that nobody measures, one after the other until an output moves: nobody knows how large it is where its start is
+/// zero, and a millionth of a speed is rounding beside a place that has run far away. At most as far as its start, or one.
+fn steps(nominal: f64) -> [f64; FEW] {
+    let (first, most) = (1e-4 * nominal.abs().max(STEP), nominal.abs().max(1.0));
+    [1.0, FINE.recip(), FINE.recip().powi(2)].map(|times| (times * first).min(most))
+}
 
 /// How far something must move to move an output as far as that moves, where a step of it changes the outputs of rows so; `None`: it changes
 /// none of them by more than this share.
@@ -43,12 +50,13 @@ impl Engine {
             let first = n + self.machine.channels.len() + schedule.reads[row].len();
             let told = first..base.len().min(first + rows * sizes.len());
             for (state, of) in self.machine.states.iter().enumerate().filter(|(_, of)| of.channel.is_none()) {
-                let step = 1e-4 * of.nominal.abs().max(1e-2);
-                let mut at = here.clone();
-                at[state] += step;
-                worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out)?;
-                let moved = scale((&base[told.clone()], &out[told.clone()]), step, sizes, FORGOTTEN);
-                scales[state] = moved.unwrap_or(scales[state]);
+                let mut moved = |step: f64| {
+                    let mut at = here.clone();
+                    at[state] += step;
+                    worker.interval(&self.machine, &Job { states: &at, ..job }, &mut out).ok()?;
+                    scale((&base[told.clone()], &out[told.clone()]), step, sizes, FORGOTTEN)
+                };
+                scales[state] = steps(of.nominal).into_iter().find_map(&mut moved).unwrap_or(scales[state]);
             }
             Ok(())
         })?;
@@ -90,7 +98,17 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use super::{FORGOTTEN, NOTHING, scale};
+    use super::{FORGOTTEN, NOTHING, scale, steps};
+
+    #[test]
+    fn value_a_state_is_moved_until_an_output_moves_and_no_farther_than_its_start_or_one() {
+        assert_eq!(steps(0.0).map(|step| step as f32), [1e-6, 1e-3, 1.0]);
+        assert_eq!(steps(-300.0).map(|step| step as f32), [0.03, 30.0, 300.0]);
+        // a carriage at 45 rad that 1e-6 rad/s take 2e-9 rad farther within a row
+        let of = |step: f64| scale((&[45.0], &[45.0 + 0.002 * step]), step, &[20.0], FORGOTTEN);
+        assert!(of(1e-6).is_none());
+        assert!((of(1e-3).expect("it moves") / 1e4 - 1.0).abs() < 1e-6);
+    }
 
     #[test]
     fn value_rounding_is_no_move_of_an_output() {

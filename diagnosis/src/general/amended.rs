@@ -2,7 +2,7 @@
 //! between the others. What the logs fed, and no unit or source of the scenario does, comes from a table of the first run.
 //!
 //! Masters step units in the order of the file and hand on the newest values. So a unit before an input stands before the
-//! unit that it feeds, one behind an output after it. Between its steps a value is held: a delay or lag at an input gets
+//! unit that it feeds, one behind an output after it. Between its steps a value is held: a line, a delay or lag at an input gets
 //! a finer interval, of which the delay is as nearly as can be a multiple.
 
 use super::equivalent::equivalent;
@@ -11,6 +11,7 @@ use super::study::Studied;
 use super::table::{self, Feed};
 use crate::dynamics::machine::{Machine, Role};
 use crate::error::Error;
+use crate::infer::smooth;
 use crate::observe::{Hold, InputEffect, OutputEffect, Problem};
 use orchestrator::fmu::Causality;
 use orchestrator::scenario::UnitEntry;
@@ -71,7 +72,9 @@ pub fn amended(problem: &Problem, studied: &Studied, units: &UnitPath) -> Result
         as_logged(&mut scenario, problem, studied, start)?;
     }
     if scenario.units.len() == 1 {
-        scenario.units[0].interval = fine(problem, scenario.units[0].interval, &inputs);
+        let is_line = |place: &usize| machine.inputs[*place].hold == Hold::Linear;
+        let lines = machine.any_step && logged.iter().any(is_line);
+        scenario.units[0].interval = fine(problem, scenario.units[0].interval, &inputs, lines);
     }
     rewire(&mut scenario, machine, &inputs);
     let feeds: Vec<Feed> = logged.iter().map(|place| feed(machine, &inputs, *place)).collect();
@@ -173,8 +176,8 @@ fn as_logged(
 ) -> Result<(), Error> {
     let failed = |error: orchestrator::Error| Error::Model(format!("amended scenario: {error}"));
     let engine = &studied.built.engine;
-    let begun: Vec<f64> = engine.grids[0].begin.iter().map(|(value, _)| *value).collect();
-    let start = if engine.machine.whole { &begun } else { start };
+    let begun = engine.machine.whole.then(|| begun(studied));
+    let start = begun.as_deref().unwrap_or(start);
     for (state, value) in problem.states.iter().zip(start) {
         scenario.set(&state.name, &format!("{value:?}")).map_err(failed)?;
     }
@@ -182,11 +185,20 @@ fn as_logged(
     scenario.set_stop(&format!("{:.6}", span.max(1e-6))).map_err(failed)
 }
 
-/// The interval at which a delay or lag at an input is followed.
-fn fine(problem: &Problem, interval: Rational, inputs: &AtPorts) -> Rational {
+/// Where the first run begins that is simulated whole: its own start values, as far off as its rows say.
+fn begun(studied: &Studied) -> Vec<f64> {
+    let run = &studied.fit.runs[0];
+    let states = smooth(run, &studied.fit.at.noise).state;
+    let off = &states[studied.built.engine.machine.order()..];
+    let begin = &studied.built.engine.grids[0].begin;
+    begin.iter().zip(off).map(|((value, size), off)| value + off * size).collect()
+}
+
+/// The interval at which a delay or lag at an input is followed, and `lines` are, of which a unit between two steps sees the middle.
+fn fine(problem: &Problem, interval: Rational, inputs: &AtPorts, lines: bool) -> Rational {
     let takes_time =
         |effects: &&AtPort| ["delay", "lag", "rate_limit"].iter().any(|name| effects.contains_key(name));
-    if inputs.values().filter(takes_time).count() == 0 {
+    if !lines && inputs.values().filter(takes_time).count() == 0 {
         return interval;
     }
     let delays: Vec<f64> = inputs.values().filter_map(|effects| effects.get("delay").copied()).collect();

@@ -32,9 +32,9 @@ pub(super) struct Way {
 }
 
 /// Units that logs are written in, beside the model's own and those with a prefix.
-const USUAL: [&str; 21] = [
+const USUAL: [&str; 24] = [
     "degC", "degF", "deg", "deg/s", "rpm", "km/h", "cm", "bar", "%", "K", "mm", "mN.m", "mA.h", "W.h", "l",
-    "g", "inch", "ft", "lbf", "psi", "mile/h",
+    "g", "inch", "ft", "lbf", "psi", "mile/h", "l/s", "l/min", "m3/h",
 ];
 /// Prefixes that loggers put before the model's unit.
 const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];

@@ -4,8 +4,8 @@
 //! it was fitted to. So it is what the data set states, or what scatters where nothing but the data speak:
 //! - Torques that were read off a log: what its noise gives them.
 //! - Angles and rates of a plant: after a free start state and free torques in each part of each window.
-//! - An image: about a linear function of pose and rates and a square one of time over a dozen neighbouring frames. Whatever a lens, a mount or a delay does
-//!   to an image changes slowly with these; noise doesn't.
+//! - An image: about a linear function of pose and rates and a square one of time over a dozen neighbouring frames, with the nominal or the fitted model,
+//!   whichever leaves less. Whatever a lens, a mount or a delay does to an image changes slowly with these; noise doesn't.
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
@@ -27,8 +27,10 @@ pub fn estimate(nominal: &Evaluation, last: &Evaluation, signals: &[Signal]) -> 
             if !signal.name.starts_with("camera.") || s >= COLUMNS.len() {
                 return signal.known.unwrap_or_else(|| within(s));
             }
+            // what a model lacks changes within a dozen frames, too: of both models the one that leaves less of that
+            let scatter = || [nominal, last].into_iter().filter_map(|model| local(model, s)).reduce(f64::min);
             // frames that renderers draw otherwise, and noise
-            let scatter = signal.known.or_else(|| local(nominal, s)).unwrap_or_else(|| within(s));
+            let scatter = signal.known.or_else(scatter).unwrap_or_else(|| within(s));
             scatter.hypot(signal.tolerance)
         })
         .collect()

@@ -9,6 +9,7 @@ mod differing_runs;
 #[cfg(test)]
 mod examples;
 mod image_shape;
+mod law_of_place;
 mod policy;
 mod residual;
 mod torque_shape;
@@ -63,8 +64,8 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Doubts of the model with its effects.
-const OF_THE_MODEL: [Doubt; 4] =
-    [circle_beside::doubt, residual::doubt, confounded::doubt, changing_value::doubt];
+const OF_THE_MODEL: [Doubt; 5] =
+    [circle_beside::doubt, residual::doubt, confounded::doubt, law_of_place::doubt, changing_value::doubt];
 /// Doubts of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: [Doubt; 3] = [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt];
 

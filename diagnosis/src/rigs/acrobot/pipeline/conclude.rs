@@ -6,7 +6,7 @@ use super::detectable::add_detectable;
 use super::effects::{Alternates, PartEffects};
 use super::fit_correction::fit_correction;
 use super::log_clocks::{doubts_by_clock, late_log_instead};
-use super::noise_and_losses::{add_lost_frames, add_sensor_noise};
+use super::noise_and_losses::{add_lost_frames, add_sensor_noise, shared_scatter};
 use super::policy::PIPELINE;
 use super::torque_scale::tell_torque_scale;
 use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
@@ -180,6 +180,7 @@ impl Conclusion {
         let (rig, list) = (logs.rig, &logs.rig.list);
         let mut point = compared.point.clone();
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
+        self.unknown = self.unknown.take().or_else(|| shared_scatter(&compared.parts));
         // a residual that no effect gives scatters, too
         if self.unknown.is_none() {
             let (smallest, notices) = (&mut self.smallest, &mut self.notices);

@@ -61,7 +61,8 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
             return Ok(plain);
         }
         plain.noise = self.scatter(&plain.study.last.point)?;
-        if !clear(&plain.noise) {
+        // what circles share is no noise, and no other noise is to be taken for it
+        if !clear(&plain.noise) || plain.noise.is_some_and(|noise| noise.together.is_some()) {
             return Ok(plain);
         }
         // a blur scatters too, and would hide a part of the noise that it imitates
@@ -84,7 +85,10 @@ impl<C: Cut + Clone + 'static> Sensor<'_, C> {
     /// more than one effect stands beside it: a sensor three times as noisy came after a minute of seven lens effects.
     fn noise_first(mut self, watch: &mut Watch<'_>) -> Result<Option<Part>, Error> {
         self.cut.linearise(self.point, &[])?;
-        let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear) else { return Ok(None) };
+        let Some(early) = self.scatter(self.point)?.filter(|noise| noise.clear && noise.together.is_none())
+        else {
+            return Ok(None);
+        };
         let first = self.search_noisy(early.value, PIPELINE.sensor_few, watch)?;
         Ok(first.filter(|first| clear(&first.noise) && !lacks(first)))
     }

@@ -34,6 +34,7 @@ mod poses;
 mod rows;
 mod state;
 mod surface;
+mod together;
 
 use frame_cache::{FrameCache, MadeFrames};
 use frames::frames;

@@ -5,6 +5,7 @@
 //! many pixels of the rim lie near the threshold. So the frames are made again with noise, and the noise is sought that
 //! scatters them as much as the measured ones. Neighbouring frames are subtracted: what changes slowly is no noise.
 
+use super::together::Together;
 use super::{ImageCut, Nuisances};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::Side;
@@ -39,6 +40,8 @@ pub struct Noise {
     pub clear: bool,
     /// By how much circles are larger than the camera with this noise has them, px: by another light or threshold.
     pub larger: f64,
+    /// Circles that scatter together, as by no noise of a sensor.
+    pub together: Option<Together>,
 }
 
 impl Noise {
@@ -94,14 +97,25 @@ impl ImageCut {
         let none = nominal == 0.0 && apart.mean < 0.0;
         if none || !clear(&apart) {
             let error = detectable / POLICY.clear;
-            return Ok(Some(Noise { nominal, value: nominal, error, detectable, clear: false, larger: 0.0 }));
+            let (value, larger) = (nominal, 0.0);
+            return Ok(Some(Noise {
+                nominal,
+                value,
+                error,
+                detectable,
+                clear: false,
+                larger,
+                together: None,
+            }));
         }
         let Some(value) = rendered.noise_that_scatters_as(&seen, from, apart.mean > 0.0)? else {
             return Ok(None);
         };
         let Some(error) = rendered.error_of(&seen, value)? else { return Ok(None) };
-        let larger = rendered.residuals(value)?.first().map_or(0.0, |made| larger(&measured, made));
-        Ok(Some(Noise { nominal, value, error, detectable, clear: true, larger }))
+        let made = rendered.residuals(value)?;
+        let larger = made.first().map_or(0.0, |made| larger(&measured, made));
+        let together = self.together(&measured, &made);
+        Ok(Some(Noise { nominal, value, error, detectable, clear: true, larger, together }))
     }
 
     /// Adds to the errors of a prediction how much it changes when the image moves by what isn't known of its place on the
@@ -296,7 +310,8 @@ mod tests {
     #[test]
     fn value_another_light_is_one_from_half_a_pixel_on() {
         let of = |larger: f64| {
-            Noise { nominal: 4.0, value: 6.0, error: 0.1, detectable: 0.2, clear: true, larger }.is_lit()
+            let (value, together) = (6.0, None);
+            Noise { nominal: 4.0, value, error: 0.1, detectable: 0.2, clear: true, larger, together }.is_lit()
         };
         assert_eq!([-0.55, -0.45, 0.45, 0.55].map(of), [false, true, true, false]);
     }

@@ -188,7 +188,7 @@ impl Conclusion {
             let noises = (0..list.len()).filter(|index| list[*index].side == Side::SensorNoise);
             noises.for_each(|index| point[index] = list[index].off);
         }
-        add_lost_frames(rig, &mut self.effects, &mut self.smallest);
+        add_lost_frames(rig, &mut self.effects, &mut self.smallest, &mut self.notices);
         if self.unknown.as_ref().is_some_and(is_of_angles) {
             self.doubt_plant(list);
         }

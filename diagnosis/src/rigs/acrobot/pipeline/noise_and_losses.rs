@@ -6,7 +6,7 @@ use super::policy::PIPELINE;
 use crate::diagnosis::Effect;
 use crate::error::Notice;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
-use crate::rigs::acrobot::lost_frames::{Losses, count_losses};
+use crate::rigs::acrobot::lost_frames::{Losses, count_losses, tell_unlogged};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::{DOUBTED, WITHIN};
 use std::collections::BTreeMap;
@@ -48,11 +48,14 @@ pub(super) fn add_lost_frames(
     rig: &Rig<'_>,
     effects: &mut Vec<Effect>,
     smallest: &mut BTreeMap<String, f64>,
+    notices: &mut Vec<Notice>,
 ) {
     let Some(candidate) = rig.list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else {
         return;
     };
-    let Some(losses) = count_losses(&rig.data, 1.0 / rig.model.frame_rate()) else { return };
+    let interval = 1.0 / rig.model.frame_rate();
+    notices.extend(tell_unlogged(&rig.data, interval));
+    let Some(losses) = count_losses(&rig.data, interval) else { return };
     // one frame that isn't there is proof against "none is ever lost"; two are asked for
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
     if differs(&losses, candidate.off) {

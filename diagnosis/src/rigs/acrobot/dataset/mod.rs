@@ -213,6 +213,11 @@ impl Reading {
     }
 
     /// Puts aside what can't be used.
+    /// What `[log]` says: keys and values.
+    pub(crate) fn stated_lines(&self) -> &[(&'static str, String)] {
+        &self.manifest.stated.given
+    }
+
     ///
     /// # Errors
     /// No run is usable.

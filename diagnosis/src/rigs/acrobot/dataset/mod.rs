@@ -18,6 +18,7 @@ mod rates;
 mod rounded;
 pub(crate) mod row_times;
 pub mod stated_log;
+mod still;
 mod table;
 mod timestamps;
 mod uncovered;
@@ -212,12 +213,12 @@ impl Reading {
         self.manifest.stated.gaps_known.is_some()
     }
 
-    /// Puts aside what can't be used.
     /// What `[log]` says: keys and values.
     pub(crate) fn stated_lines(&self) -> &[(&'static str, String)] {
         &self.manifest.stated.given
     }
 
+    /// Puts aside what can't be used.
     ///
     /// # Errors
     /// No run is usable.

@@ -92,6 +92,23 @@ pub struct Finding {
     pub add: String,
 }
 
+impl Finding {
+    /// The same where `[log]` says something of that already: the logs are read so, and to add the line would change nothing.
+    #[must_use]
+    pub fn beside(self, given: &[(&str, String)]) -> Self {
+        let key = |line: &str| line.split(" = ").next().map(str::to_owned);
+        let keys: Vec<String> = self.add.lines().filter_map(key).collect();
+        let Some((key, value)) = given.iter().find(|(key, _)| keys.iter().any(|own| own == key)) else {
+            return self;
+        };
+        let sentence = format!(
+            "{}. But `{key} = {value}` stands under [log] already, and the logs are read so: change that line or take it out",
+            self.sentence
+        );
+        Self { sentence, add: String::new(), ..self }
+    }
+}
+
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let place = if self.line == 0 { self.file.clone() } else { format!("{}:{}", self.file, self.line) };
@@ -123,4 +140,24 @@ impl std::fmt::Display for Notice {
 
 fn listed(notices: &[Notice]) -> String {
     notices.iter().map(|notice| format!("\n  {notice}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_that_stands_there_is_not_advised_again() {
+        let finding = Finding {
+            file: "run-01/plant.csv".into(),
+            line: 0,
+            sentence: "q1 turns".into(),
+            add: "angles_sign = -1\nq2 = \"relative\"".into(),
+        };
+        let told =
+            |key: &'static str| finding.clone().beside(&[("time", "\"s\"".into()), (key, "-1".into())]);
+        assert_eq!(told("q1_sign"), finding);
+        let told = told("angles_sign");
+        assert!(told.add.is_empty() && told.sentence.contains("`angles_sign = -1` stands"), "{told}");
+    }
 }

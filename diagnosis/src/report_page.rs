@@ -79,9 +79,9 @@ fn show_next(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
         }
         if !next.separation.is_empty() {
             page.text(&format!(
-                "Each experiment that was simulated with the members of the class as the truth, the best first. Loss: the deviance \
-                 that a diagnosis of its data would lose by taking one member for another; below {} they count as not told \
-                 apart.",
+                "Each experiment that was simulated with the members of the class as the truth, the best first: the surer it tells \
+                 them apart, and of those as sure the simpler to carry out. Loss: the deviance that a diagnosis of its data would lose by taking \
+                 one member for another; below {} they count as not told apart.",
                 brief(next.told)
             ));
             page.table(&experiments(next));

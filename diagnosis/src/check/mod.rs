@@ -29,6 +29,7 @@ mod wrapped;
 pub(crate) use hints::hinted;
 pub(crate) use policy::STRETCH;
 pub(crate) use readings::{Signs, signs, too_long_times};
+pub(crate) use stuck::stood_still;
 
 use crate::error::Error;
 use crate::observe::Problem;

@@ -3,14 +3,15 @@
 use super::Doubt;
 use super::policy::DOUBTS;
 use crate::nuisance::{least_gap, scatter};
-use crate::observe::{Problem, Role, Series};
+use crate::observe::{Problem, Role};
 use crate::statistics::levels::MORE;
 
 /// A compared channel of a run that stood still for a while.
 pub(super) fn still(problem: &Problem) -> Option<Doubt> {
     for run in &problem.runs {
         for (channel, series) in problem.channels.iter().zip(&run.series) {
-            let Some((from, to)) = stretch(series).filter(|_| channel.role == Role::Compared) else {
+            let found = stood_still(&series.values, &|_, _| false);
+            let Some((from, to)) = found.filter(|_| channel.role == Role::Compared) else {
                 continue;
             };
             let time = |row: usize| series.time[row] / run.seconds;
@@ -33,9 +34,9 @@ pub(super) fn still(problem: &Problem) -> Option<Doubt> {
     None
 }
 
-/// First and last row of the longest stretch of one value, where that can't be.
-fn stretch(series: &Series) -> Option<(usize, usize)> {
-    let values = &series.values;
+/// First and last row of the longest stretch of one value, where that can't be. `moves` says whether all else shows that what is measured
+/// moved between two rows: else the noise must.
+pub(crate) fn stood_still(values: &[f64], moves: &dyn Fn(usize, usize) -> bool) -> Option<(usize, usize)> {
     let (mut longest, mut begin) = ((0, 0), 0);
     for row in 1..=values.len() {
         if row == values.len() || values[row] != values[begin] {
@@ -57,8 +58,7 @@ fn stretch(series: &Series) -> Option<(usize, usize)> {
     let noisy = noise.noise >= noise.quantum && noise.noise > 0.0;
     let told = others >= DOUBTS.other_rows
         && same <= DOUBTS.repeats
-        && alternates(&elsewhere) >= DOUBTS.alternates
-        && noisy;
+        && (moves(from, to - 1) || alternates(&elsewhere) >= DOUBTS.alternates && noisy);
     let sound = || stays(values, from, to, noise.noise) || is_rounded(values, from, to, noise.noise);
     (told && !sound()).then_some((from, to - 1))
 }
@@ -96,9 +96,23 @@ fn stays(values: &[f64], from: usize, to: usize, noise: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::stretch;
+    use super::stood_still;
     use crate::observe::Series;
     use crate::statistics::random::Random;
+
+    fn stretch(series: &Series) -> Option<(usize, usize)> {
+        stood_still(&series.values, &|_, _| false)
+    }
+
+    #[test]
+    fn every_sensor_that_stands_still_where_all_else_moves_stood_still() {
+        // a swing of twenty rows bends more from row to row than the noise
+        let mut values = series(|row, random| libm::sin(0.3 * row as f64) + 1e-4 * random.normal()).values;
+        let held = values[125];
+        (125..150).for_each(|row| values[row] = held);
+        assert_eq!(stood_still(&values, &|_, _| false), None, "it may have come to rest");
+        assert_eq!(stood_still(&values, &|from, to| (from, to) == (125, 149)), Some((125, 149)));
+    }
 
     fn series(value: impl Fn(usize, &mut Random) -> f64) -> Series {
         let mut random = Random::new(9);

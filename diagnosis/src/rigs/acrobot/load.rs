@@ -14,7 +14,8 @@ impl DataSet {
         let read = Reading::new(path)?;
         let facts = Facts { runs: &read.runs, nominal: read.nominal, gaps_stated: read.gaps_stated() };
         if let Some(finding) = plausibility::first(&facts) {
-            return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
+            let finding = Box::new(finding.beside(read.stated_lines()));
+            return Err(Error::Implausible { path: path.to_owned(), finding });
         }
         read.checked()
     }

@@ -16,5 +16,7 @@ pub const HEIGHT: &str = "camera.height";
 pub const FIELD_OF_VIEW: &str = "camera.field_of_view";
 /// Height of the ground in it, m.
 pub const GROUND: &str = "camera.ground";
+/// Lengths of the links that it shows, m, and those of the paper's arm.
+pub const LINKS: [(&str, f64); 2] = [("camera.l1", 6.19), ("camera.l2", 6.9)];
 /// Radius of the drum that it shows, m.
 pub const DRUM: &str = "camera.R";

@@ -2,6 +2,7 @@
 
 use super::Table;
 use super::row_times::typical_gap;
+use crate::nuisance::scatter;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::{FAR, MORE};
@@ -16,6 +17,17 @@ pub fn far_apart(plant: &Table, falling: [f64; 2]) -> Option<f64> {
 /// it jumps (rad), and how many there are. No link is thrown so far and back in so short a time: `falling` is the rate (rad/s) that
 /// gravity gives it.
 pub fn glitches(time: &[f64], values: &mut [f64], falling: f64) -> Option<(usize, (f64, usize))> {
+    let failed = failed_readings(time, values, falling);
+    failed.iter().for_each(|(row, _)| values[*row] = f64::NAN);
+    let mut found = thrown_away(time, values, falling);
+    found.iter().for_each(|(row, _)| values[*row] = f64::NAN);
+    found.extend(failed);
+    let count = found.len();
+    found.into_iter().min_by_key(|(row, _)| *row).map(|(row, by)| (row, (by, count)))
+}
+
+/// Rows that jump away and back, whatever they hold, and by how much they do, rad.
+fn thrown_away(time: &[f64], values: &[f64], falling: f64) -> Vec<(usize, f64)> {
     let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
     let (mut found, mut place) = (Vec::new(), 2);
     while place + 2 < rows.len() {
@@ -27,8 +39,62 @@ pub fn glitches(time: &[f64], values: &mut [f64], falling: f64) -> Option<(usize
         found.extend(rows[place..place + count].iter().map(|row| (*row, by)));
         place += count + 1;
     }
-    found.iter().for_each(|(row, _)| values[*row] = f64::NAN);
-    found.first().map(|(row, by)| (*row, (*by, found.len())))
+    found
+}
+
+/// Rows that hold exactly 0, a few in turn, where the rows around lead elsewhere: so a log shows readings that failed. A jump says so that is
+/// far beyond the noise, the law by which the rows around go on, and what gravity moves a link by in that time.
+fn failed_readings(time: &[f64], values: &[f64], falling: f64) -> Vec<(usize, f64)> {
+    let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    let noise = FAR * scatter(&[&finite]).quiet;
+    let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
+    let stretches = rows.chunk_by(|one, other| (values[*one] == 0.0) == (values[*other] == 0.0));
+    let (mut found, mut place) = (Vec::new(), 0);
+    for stretch in stretches {
+        let (from, to) = (place, place + stretch.len());
+        place = to;
+        if values[stretch[0]] != 0.0 || stretch.len() > LOGS.few {
+            continue;
+        }
+        let (before, after) =
+            (&rows[from.saturating_sub(LOGS.few)..from], &rows[to..rows.len().min(to + LOGS.few)]);
+        let jump = |row: &usize| {
+            let (by, doubt, lasts) = off_the_course(time, values, *row, before, after)?;
+            let least = noise.max(LOGS.clearly * doubt).max((falling * 0.5 * 0.5 * lasts).powi(2));
+            (by.abs() > least).then_some((*row, by))
+        };
+        let jumps: Vec<(usize, f64)> = stretch.iter().filter_map(jump).collect();
+        found.extend(jumps.iter().copied().filter(|_| jumps.len() == stretch.len()));
+    }
+    found
+}
+
+/// By how much a row is off where the rows around it lead, how well these tell (by a line and by a curve), rad, and how long it would have
+/// had to go there, s. At an end of the log one side tells.
+fn off_the_course(
+    time: &[f64],
+    values: &[f64],
+    row: usize,
+    before: &[usize],
+    after: &[usize],
+) -> Option<(f64, f64, f64)> {
+    let (line, curve): (Vec<usize>, Vec<usize>) = match (before, after) {
+        ([.., ahead, last], [next, beyond, ..]) => (vec![*last, *next], vec![*ahead, *last, *next, *beyond]),
+        ([.., one, two, three], []) => (vec![*two, *three], vec![*one, *two, *three]),
+        ([], [one, two, three, ..]) => (vec![*one, *two], vec![*one, *two, *three]),
+        _ => return None,
+    };
+    let (straight, bent) = (led_to(time, values, row, &line), led_to(time, values, row, &curve));
+    Some((values[row] - bent, bent - straight, time[line[1]] - time[line[0]]))
+}
+
+/// Where the polynomial through some rows is at the time of another (Lagrange).
+fn led_to(time: &[f64], values: &[f64], row: usize, through: &[usize]) -> f64 {
+    let share = |own: usize| -> f64 {
+        let others = through.iter().filter(|other| **other != own);
+        others.map(|other| (time[row] - time[*other]) / (time[own] - time[*other])).product()
+    };
+    through.iter().map(|own| share(*own) * values[*own]).sum()
 }
 
 /// Whether `count` rows after the first two of `rows` are elsewhere, and by how much the first of them is, rad.
@@ -150,6 +216,7 @@ fn degree_ratio() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::random::Random;
 
     /// 100 values that spread evenly over so much between their 5th and 95th hundredth.
     fn spread_over(size: f64) -> Vec<f64> {
@@ -198,6 +265,48 @@ mod tests {
         // a step stays where it is, and a whole turn is a matter of wrapping
         assert_eq!(taken_out(&(100..200).map(|row| (row, 9.0)).collect::<Vec<_>>()), [0; 0]);
         assert_eq!(taken_out(&[(100, 3.1 - TAU)]), [0; 0]);
+    }
+
+    /// The cells of a log of 30 Hz that are taken for readings that failed, of a swing of half a radian with some noise.
+    fn failed(changed: &[usize], level: f64, rows: usize) -> Vec<usize> {
+        let mut random = Random::new(8);
+        let time: Vec<f64> = (0..rows).map(|row| row as f64 / 30.0).collect();
+        let mut values: Vec<f64> =
+            time.iter().map(|time| level + 0.3 * libm::sin(3.0 * time) + 2e-4 * random.normal()).collect();
+        changed.iter().for_each(|row| values[*row] = 0.0);
+        glitches(&time, &mut values, 5.0);
+        (0..values.len()).filter(|row| values[*row].is_nan()).collect()
+    }
+
+    #[test]
+    fn every_0_that_the_rows_around_do_not_lead_to_is_a_reading_that_failed() {
+        assert_eq!(failed(&[], 0.4, 200), [0; 0]);
+        // one that is on its way, near its rest, the last of the log and the first, and three in turn
+        assert_eq!(failed(&[20, 47, 100, 101, 102, 199], 0.4, 200), [20, 47, 100, 101, 102, 199]);
+        assert_eq!(failed(&[0], 0.4, 200), [0]);
+        assert_eq!(failed(&[100, 101, 102, 103], 0.4, 200), [0; 0]);
+        // where it passes, 0 is what was measured: near 5 π / 3 s, row 157
+        assert_eq!(failed(&[157], 0.0, 200), [0; 0]);
+    }
+
+    #[test]
+    fn value_a_reading_fails_by_ten_times_the_noise_and_what_gravity_moves_a_link_by() {
+        // (5 rad/s · 2/30 s / 4)² = 0.0069 rad
+        assert_eq!([6.5e-3, 7.5e-3].map(|level| failed_at(level, 2e-5)), [false, true]);
+        // noise of 2e-3 rad scatters by about as much
+        assert_eq!([0.015, 0.026].map(|level| failed_at(level, 2e-3)), [false, true]);
+    }
+
+    /// Whether a 0 among rows at some level is no measurement.
+    fn failed_at(level: f64, noise: f64) -> bool {
+        let mut random = Random::new(3);
+        let time: Vec<f64> = (0..600).map(|row| f64::from(row) / 30.0).collect();
+        let mut values: Vec<f64> = time.iter().map(|_| level + noise * random.normal()).collect();
+        // the rows around lie on the level, so that they tell it well
+        (298..303).for_each(|row| values[row] = level);
+        values[300] = 0.0;
+        glitches(&time, &mut values, 5.0);
+        values[300].is_nan()
     }
 
     #[test]

@@ -63,8 +63,14 @@ mod tests {
     use super::*;
     use crate::rigs::acrobot::dataset::Table;
 
-    const NOMINAL: Nominal =
-        Nominal { gravity: 1.0, falling: [8.0, 9.0], image: (640.0, 480.0), interval: 0.04, ground: None };
+    const NOMINAL: Nominal = Nominal {
+        gravity: 1.0,
+        falling: [8.0, 9.0],
+        image: (640.0, 480.0),
+        interval: 0.04,
+        ground: None,
+        links: [150.0, 180.0],
+    };
 
     /// A run whose logs hold a column each, and the cells of the same column after the check.
     fn after(file: File, column: &str, values: Vec<f64>) -> (Vec<f64>, Vec<Notice>) {

@@ -18,6 +18,7 @@ mod rates;
 mod rounded;
 pub(crate) mod row_times;
 pub mod stated_log;
+mod still;
 mod table;
 mod timestamps;
 mod uncovered;
@@ -210,6 +211,11 @@ impl Reading {
     /// `[log]` says what is known of gaps.
     pub(crate) fn gaps_stated(&self) -> bool {
         self.manifest.stated.gaps_known.is_some()
+    }
+
+    /// What `[log]` says: keys and values.
+    pub(crate) fn stated_lines(&self) -> &[(&'static str, String)] {
+        &self.manifest.stated.given
     }
 
     /// Puts aside what can't be used.

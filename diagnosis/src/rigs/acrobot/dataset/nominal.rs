@@ -29,6 +29,8 @@ pub struct Nominal {
     pub interval: f64,
     /// Height of circle 1, the drum's centre, over the middle of the image, px; `None` where the mount is turned.
     pub ground: Option<f64>,
+    /// How long it shows the links, px.
+    pub links: [f64; 2],
 }
 
 impl Nominal {
@@ -62,13 +64,15 @@ impl Nominal {
         let turned = [name(Attribute::CameraRoll), parameters::MOUNT]
             .iter()
             .any(|name| value(name, 0.0).abs() > LOGS.turned);
+        let scale = image.0 / value(parameters::FIELD_OF_VIEW, 20.0);
         let drum = value(parameters::GROUND, -8.0) + value(parameters::DRUM, 1.0);
         Self {
             falling,
             gravity: weights.iter().map(|weight| weight.abs()).sum(),
             image,
             interval: 1.0 / value(parameters::FRAME_RATE, 30.0),
-            ground: (!turned).then(|| drum * image.0 / value(parameters::FIELD_OF_VIEW, 20.0)),
+            ground: (!turned).then_some(drum * scale),
+            links: parameters::LINKS.map(|(name, usual)| scale * value(name, usual)),
         }
     }
 }

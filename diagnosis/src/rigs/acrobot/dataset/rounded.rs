@@ -7,10 +7,11 @@ use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::statistics::levels::{FINE, HALF, SEVERAL, SMALL, STEP};
 use crate::text::brief;
 
-/// Puts the torque's log and the plant's at their ticks. Frames have their rate, which the camera knows.
+/// Puts all logs at their ticks.
 pub fn unround(run: &mut Run, notices: &mut Vec<Notice>) {
-    let Run { name, controller, plant, .. } = run;
-    for (file, log) in [("controller.csv", controller.as_mut()), ("plant.csv", plant.as_mut())] {
+    let Run { name, camera, controller, plant } = run;
+    let logs = [("camera.csv", camera), ("controller.csv", controller), ("plant.csv", plant)];
+    for (file, log) in logs.map(|(file, log)| (file, log.as_mut())) {
         let Some((log, found)) = log.and_then(|log| ticks(&log.time).map(|found| (log, found))) else {
             continue;
         };
@@ -118,6 +119,20 @@ mod tests {
         assert!(off(1e-2, 0.0, &|_| true).is_some_and(|off| off < 4e-3));
         // an epoch, and rows that are missing
         assert!(off(1e-3, 1.7e9 + 0.004, &|row| row % 7 != 3).is_some_and(|off| off < 0.4e-3));
+    }
+
+    #[test]
+    fn every_log_of_a_run_is_taken_at_its_ticks() {
+        let log = || {
+            Some(Table::new((0..200).map(|row| rounded(f64::from(row) / 30.0, 1e-2)).collect(), Vec::new()))
+        };
+        let mut run = Run { name: "run-01".into(), camera: log(), controller: log(), plant: log() };
+        let mut notices = Vec::new();
+        unround(&mut run, &mut notices);
+        let files: Vec<&str> = notices.iter().map(|notice| notice.file.as_str()).collect();
+        assert_eq!(files, ["run-01/camera.csv", "run-01/controller.csv", "run-01/plant.csv"]);
+        let (camera, plant) = (run.camera.map(|log| log.time), run.plant.map(|log| log.time));
+        assert!(camera == plant && camera.is_some_and(|time| (time[100] - 100.0 / 30.0).abs() < 4e-3));
     }
 
     #[test]

@@ -26,10 +26,14 @@ pub struct Stated {
     pub relative: bool,
     /// The encoders' columns are exchanged.
     pub swapped: bool,
+    /// Circles whose columns in an image are exchanged.
+    pub circles: Option<[char; 2]>,
     /// Where pixels are counted from.
     pub pixels: Pixels,
     /// Whether a torque was held, and frames were lost, where all logs pause or the torque's does; `None`: not said.
     pub gaps_known: Option<bool>,
+    /// The keys that stand there, with their values.
+    pub given: Vec<(&'static str, String)>,
 }
 
 /// Where pixels are counted from, and which way.
@@ -56,8 +60,10 @@ impl Default for Stated {
             hanging: false,
             relative: false,
             swapped: false,
+            circles: None,
             pixels: Pixels::Centre,
             gaps_known: None,
+            given: Vec::new(),
         }
     }
 }
@@ -92,6 +98,15 @@ const KEYS: &[Key] = &[
     ("q2", &[("absolute", |_| {}), ("relative", |s| s.relative = true)]),
     ("links", &[("in order", |_| {}), ("swapped", |s| s.swapped = true)]),
     (
+        "circles",
+        &[
+            ("in order", |_| {}),
+            ("1 and 2 swapped", |s| s.circles = Some(['1', '2'])),
+            ("1 and 3 swapped", |s| s.circles = Some(['1', '3'])),
+            ("2 and 3 swapped", |s| s.circles = Some(['2', '3'])),
+        ],
+    ),
+    (
         "pixels",
         &[
             ("centre", |_| {}),
@@ -120,6 +135,7 @@ impl Stated {
                 return Err(((*name).to_owned(), format!("{name} = {given}: one of {}", wanted.join(", "))));
             };
             apply(&mut stated);
+            stated.given.push((name, given.to_string()));
         }
         let known = || KEYS.iter().map(|(name, _)| *name);
         match table.keys().find(|key| !known().any(|name| name == key.as_str())) {
@@ -148,6 +164,11 @@ impl Stated {
         }
         if let Some(log) = camera {
             ["q1_est", "q2_est", "dq1_est", "dq2_est"].iter().for_each(|name| scale(log, name, self.vision));
+            if let Some([one, other]) = self.circles {
+                ["u", "v", "area"]
+                    .iter()
+                    .for_each(|name| log.swap(&format!("{name}{one}"), &format!("{name}{other}")));
+            }
             self.count(log, size);
         }
     }
@@ -249,6 +270,18 @@ mod tests {
         read("links = \"swapped\"").expect("it is known").apply(&mut run, (512.0, 512.0));
         let plant = run.plant.expect("it was logged");
         assert_eq!([plant.column("q1"), plant.column("dq2")], [Some(&[-10.0][..]), Some(&[1.0][..])]);
+    }
+
+    #[test]
+    fn value_exchanged_circles_are_put_in_order() {
+        let mut run = run();
+        let columns = ["u1", "u2", "v2", "u3", "v3", "area2", "area3"];
+        let cells = columns.into_iter().zip([1.0, 2.0, 20.0, 3.0, 30.0, 72.0, 73.0]);
+        run.camera = Some(Table::new(vec![0.0], cells.map(|(name, x)| (name.into(), vec![x])).collect()));
+        read("circles = \"2 and 3 swapped\"").expect("it is known").apply(&mut run, (512.0, 512.0));
+        let camera = run.camera.expect("it was logged");
+        let turned = columns.map(|name| camera.column(name).map_or(f64::NAN, |all| all[0]));
+        assert_eq!(turned, [1.0, 3.0, 30.0, 2.0, 20.0, 73.0, 72.0]);
     }
 
     #[test]

@@ -118,6 +118,7 @@ impl Conclusion {
         }
         let left = judged.unknown.as_ref();
         self.story.extend(story::of_study(&part.study, list, &gap, left));
+        self.story.extend(story::of_gone(&part.coarse, &part.study, list));
         let mut trace = residual_places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
         self.places.extend(own);
         if judged.withdrawn {
@@ -181,6 +182,7 @@ impl Conclusion {
         let mut point = compared.point.clone();
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
         self.unknown = self.unknown.take().or_else(|| shared_scatter(&compared.parts));
+        let found = self.effects.len();
         // a residual that no effect gives scatters, too
         if self.unknown.is_none() {
             let (smallest, notices) = (&mut self.smallest, &mut self.notices);
@@ -189,7 +191,11 @@ impl Conclusion {
             let noises = (0..list.len()).filter(|index| list[*index].side == Side::SensorNoise);
             noises.for_each(|index| point[index] = list[index].off);
         }
-        add_lost_frames(rig, &mut self.effects, &mut self.smallest);
+        add_lost_frames(rig, &mut self.effects, &mut self.smallest, &mut self.notices);
+        let counted =
+            |effect: &Effect| list.iter().any(|own| own.name == effect.name && own.side == Side::Count);
+        let scattered = self.effects[found..].iter().map(|effect| story::of_scatter(effect, counted(effect)));
+        self.story.extend(scattered.collect::<Vec<_>>());
         if self.unknown.as_ref().is_some_and(is_of_angles) {
             self.doubt_plant(list);
         }

@@ -6,7 +6,7 @@ use super::policy::PIPELINE;
 use crate::diagnosis::{Effect, Unknown};
 use crate::error::Notice;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
-use crate::rigs::acrobot::lost_frames::{Losses, count_losses};
+use crate::rigs::acrobot::lost_frames::{Losses, count_losses, tell_unlogged};
 use crate::rigs::acrobot::residual::studio::AREAS;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::{DOUBTED, WITHIN};
@@ -74,21 +74,27 @@ pub(super) fn add_lost_frames(
     rig: &Rig<'_>,
     effects: &mut Vec<Effect>,
     smallest: &mut BTreeMap<String, f64>,
+    notices: &mut Vec<Notice>,
 ) {
     let Some(candidate) = rig.list.iter().find(|candidate| candidate.is(Attribute::LostFrames)) else {
         return;
     };
-    let Some(losses) = count_losses(&rig.data, 1.0 / rig.model.frame_rate()) else { return };
+    let interval = 1.0 / rig.model.frame_rate();
+    notices.extend(tell_unlogged(&rig.data, interval));
+    let Some(losses) = count_losses(&rig.data, interval) else { return };
     // one frame that isn't there is proof against "none is ever lost"; two are asked for
     smallest.insert(candidate.name.to_owned(), candidate.off + 6.0 / losses.expected);
-    if differs(&losses, candidate.off) {
-        effects.push(Effect::alone(
-            candidate,
-            losses.share(),
-            losses.interval(WITHIN),
-            1.0 - SELECTION.alpha,
-        ));
-    }
+    let by_count = losses.by_count();
+    let is_lost = |losses: &Losses| differs(losses, candidate.off);
+    let found = match (is_lost(&by_count), is_lost(&losses)) {
+        (true, _) => Some((by_count, 1.0 - SELECTION.alpha)),
+        // whether camera or log lost them hangs on what `frame` counts
+        (false, true) => Some((losses, PIPELINE.half_asked)),
+        (false, false) => None,
+    };
+    effects.extend(found.map(|(losses, probability)| {
+        Effect::alone(candidate, losses.share(), losses.interval(WITHIN), probability)
+    }));
 }
 
 /// Whether more or fewer frames are lost than the nominal share: by more than chance, of which "none is ever lost" leaves nothing.
@@ -103,7 +109,8 @@ mod tests {
 
     #[test]
     fn value_a_share_differs_by_three_standard_errors_or_two_frames_from_none() {
-        let differs = |lost: f64, nominal: f64| differs(&Losses { expected: 1800.0, lost }, nominal);
+        let differs =
+            |lost: f64, nominal: f64| differs(&Losses { expected: 1800.0, lost, counted: 0.0 }, nominal);
         assert_eq!([1.0, 2.0].map(|lost| differs(lost, 0.0)), [false, true]);
         // 180 are expected, give or take 12.7
         assert_eq!(

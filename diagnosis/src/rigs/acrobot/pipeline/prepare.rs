@@ -61,7 +61,8 @@ pub(super) fn prepare<'a>(
 pub(super) fn plausible<'a>(mut rig: Rig<'a>, path: &Path, watch: &mut Watch<'_>) -> Result<Rig<'a>, Error> {
     watch.stage("do the logs count as the model does?");
     if let Some(finding) = plausibility::motion::other_way_of_counting(&rig.data, rig.model, &rig.list)? {
-        return Err(Error::Implausible { path: path.to_owned(), finding: Box::new(finding) });
+        let finding = Box::new(finding.beside(&rig.data.manifest.stated.given));
+        return Err(Error::Implausible { path: path.to_owned(), finding });
     }
     if let Some(data) = at_clock_ticks(&rig) {
         watch.stage("plant: timestamps set to the ticks of their clocks");

@@ -5,6 +5,7 @@
 //! `dataset.toml` needs. Nothing is changed by guess. [`motion`] asks the same of the nominal model, which must be loaded for it.
 
 mod angles;
+mod circles;
 pub mod motion;
 mod pixels;
 pub(crate) mod policy;
@@ -28,10 +29,11 @@ pub struct Facts<'a> {
 pub type Check = fn(&Facts<'_>) -> Option<Finding>;
 
 /// The checks, in the order in which one thing hides another: nothing of a motion can be said in a wrong unit of time, nor of
-/// encoders beside images that stand on their head.
+/// encoders beside images that stand on their head or in which one circle is taken for another.
 pub const CHECKS: &[Check] = &[
     time::units_apart,
     time::unit,
+    circles::exchanged,
     pixels::origin,
     angles::degrees,
     angles::against_pictures,

@@ -31,11 +31,13 @@ fn same(q1: f64, q2: f64) -> (f64, f64) {
 }
 
 const MILLI: &str = "torque = \"mN·m\"";
+const CENTI: &str = "torque = \"N·cm\"";
 const DEGREES: &str = "angles = \"deg\"";
 
 /// Signs of both angles and of the torque can't be told from each other by a motion: the equations are the same in a mirror.
 const WAYS: &[Way] = &[
     way(MILLI, "the torque is in mN·m", same, 1e-3),
+    way(CENTI, "the torque is in N·cm", same, 1e-2),
     way("torque_sign = -1", "the torque has the other sign, or both angles have", same, -1.0),
     way("q1_sign = -1", "q1 has the other sign, or q2 and the torque have", |a, b| (-a, b), 1.0),
     way("q2_sign = -1", "q2 has the other sign, or q1 and the torque have", |a, b| (a, -b), 1.0),
@@ -81,7 +83,7 @@ pub fn other_way_of_counting(
     };
     let strong = drives(&logs.runs, Nominal::of(&data.path, &data.manifest)?.gravity);
     let mut all: Vec<(f64, &Way)> = (WAYS.iter())
-        .filter(|way| (wide || way.add != DEGREES) && (strong || way.add != MILLI))
+        .filter(|way| (wide || way.add != DEGREES) && (strong || ![MILLI, CENTI].contains(&way.add)))
         .filter_map(|way| Some((read(way)?, way)))
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -113,8 +115,8 @@ fn turns(log: &Table) -> bool {
     ["q1", "q2"].iter().filter_map(|name| log.column(name)).flatten().any(|angle| angle.abs() > PI)
 }
 
-/// Whether some torque is so large against gravity's (N·m) that it may be one of a thousandth: a motor of an arm gives more than a
-/// thousandth of what gravity pulls with, and one whose torque hardly arrives looks as if it gave that.
+/// Whether some torque is so large against gravity's (N·m) that it may be one of a hundredth or a thousandth: a motor of an arm gives
+/// more than a thousandth of what gravity pulls with, and one whose torque hardly arrives looks as if it gave that.
 fn drives(runs: &[Run], gravity: f64) -> bool {
     let torques = runs.iter().filter_map(|run| run.controller.as_ref());
     let all = torques.flat_map(|log| ["tau", "tau_1"].into_iter().filter_map(|name| log.column(name)));
@@ -162,11 +164,25 @@ fn median(mut values: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::dataset::stated_log::Stated;
 
     #[test]
     fn value_degrees_are_asked_of_angles_beyond_half_a_turn() {
         let log = |angle: f64| Table::new(vec![0.0, 0.1], vec![("q1".into(), vec![0.0, -angle])]);
         assert_eq!([3.1, 3.2].map(|angle| turns(&log(angle))), [false, true]);
+    }
+
+    #[test]
+    fn every_unit_of_torque_is_asked_and_its_line_does_what_was_asked() {
+        let stated =
+            |line: &str| Stated::read(&line.parse().expect("it is TOML")).map(|stated| stated.torque);
+        for way in WAYS.iter().filter(|way| way.torque != 1.0) {
+            assert_eq!(stated(way.add).as_ref(), Ok(&way.torque), "{}", way.add);
+        }
+        for unit in ["mN·m", "N·mm", "N·cm"] {
+            let torque = stated(&format!("torque = \"{unit}\"")).expect("it is known");
+            assert!(WAYS.iter().any(|way| way.torque == torque), "{unit}");
+        }
     }
 
     #[test]

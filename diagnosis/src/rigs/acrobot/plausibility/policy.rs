@@ -1,7 +1,7 @@
 //! Numbers by which logs are doubted before any fit, each with its reason.
 
 use crate::rigs::acrobot::dataset::policy::LOGS;
-use crate::statistics::levels::{DOUBTED, FAR, HALF, PART, SAMPLE};
+use crate::statistics::levels::{DOUBTED, FAR, HALF, PART, SAMPLE, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,9 @@ pub struct Plausible {
     pub drives: f64,
     /// Distance from where circle 1 should roll within which it does, px: lenses and mounts move it by less, and any other origin by more.
     pub near: f64,
+    /// Share by which links in images may be longer or shorter than the nominal camera shows them: lenses and scales change them by less, and
+    /// another circle's distance is another by more.
+    pub length: f64,
     /// Times as far apart as the nominal camera takes them, from which frames are stamped in another unit: none is that slow.
     pub other_unit: f64,
 }
@@ -36,5 +39,6 @@ pub const PLAUSIBLE: Plausible = Plausible {
     noise: DOUBTED,
     drives: HALF,
     near: LOGS.off_line,
+    length: SMALL,
     other_unit: FAR * FAR,
 };

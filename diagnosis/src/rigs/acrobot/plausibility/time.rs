@@ -150,6 +150,7 @@ mod tests {
                 image: (640.0, 480.0),
                 interval: 0.04,
                 ground: None,
+                links: [150.0, 180.0],
             },
             gaps_stated: false,
         }

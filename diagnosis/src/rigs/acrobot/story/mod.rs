@@ -16,6 +16,7 @@ pub fn of_study(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unkn
         gap.signal,
         brief(gap.floor)
     )];
+    lines.extend(of_known(study, list));
     for step in &study.steps {
         if !step.together.is_empty() {
             let names: Vec<&str> = step.together.iter().map(|index| list[*index].name).collect();
@@ -37,6 +38,50 @@ pub fn of_study(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unkn
     }
     lines.push(of_end_of_search(gap, left));
     lines
+}
+
+/// What no step of this search found: it began with it, from what was compared before, and kept it.
+fn of_known(study: &Study, list: &[Candidate]) -> Option<String> {
+    let stepped = |index: &usize| {
+        study.steps.iter().any(|step| step.accepted == Some(*index) || step.together.contains(index))
+    };
+    let known = study.active.iter().filter(|index| !stepped(index) && !list[**index].side.is_of_log());
+    let known: Vec<String> =
+        known.map(|index| format!("{} - {} -", list[*index].name, list[*index].phrase)).collect();
+    let (last, others) = known.split_last()?;
+    let (names, they) = match others {
+        [] => (
+            last.clone(),
+            "was found before, when the same was compared more coarsely or with other noise, clocks or values; it is",
+        ),
+        _ => (
+            format!("{} and {last}", others.join(", ")),
+            "were found before, when the same was compared more coarsely or with other noise, clocks or values; each is",
+        ),
+    };
+    Some(format!("{names} {they} needed still, and what follows is compared beside that."))
+}
+
+/// Effects that torques named and that windows need no more.
+pub fn of_gone(coarse: &[usize], study: &Study, list: &[Candidate]) -> Option<String> {
+    let gone: Vec<&str> =
+        coarse.iter().filter(|index| !study.active.contains(index)).map(|index| list[*index].name).collect();
+    let went = if gone.len() == 1 { "it goes" } else { "they go" };
+    (!gone.is_empty()).then(|| format!("In windows nothing needs {}: {went} again.", gone.join(", ")))
+}
+
+/// An effect that no mean shows, and that no search could find so.
+pub fn of_scatter(effect: &Effect, count: bool) -> String {
+    let shown = if count {
+        "it is counted: so many frames are missing between those that were delivered"
+    } else {
+        "it is measured by what circles scatter by from frame to frame, more or less than the nominal sensor makes of the same images"
+    };
+    format!(
+        "{} = {} shows in no mean, so that no gap tells of it; {shown}.",
+        effect.name,
+        brief(effect.value)
+    )
 }
 
 /// What a step of the search saw, and whom it accepted.
@@ -82,10 +127,12 @@ fn of_end_of_search(gap: &Gap, left: Option<&Unknown>) -> String {
     }
 }
 
-/// How the residual decreases, where that says something: what a model lacks at large counts as noise, and is 1 before and after.
+/// How the residual decreases, where that says something: what a model lacks at large counts as noise, and is 1 before and after, or more
+/// where less of it is left to count as such.
 fn decrease((before, after): (f64, f64)) -> String {
+    let less = after < before;
     let (before, after) = (format!("{before:.2}"), format!("{after:.2}"));
-    if before == after {
+    if before == after || !less {
         return String::new();
     }
     format!(": the residual's mean square goes from {before} to {after} of the noise in use")
@@ -161,4 +208,15 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
         brief(correction.gap.floor),
         100.0 * correction.gap.closed
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_residual_that_does_not_decrease_explains_nothing_by_that() {
+        assert_eq!([(0.98, 1.10), (1.001, 0.999)].map(decrease), ["", ""].map(String::from));
+        assert!(decrease((1.31, 1.02)).contains("from 1.31 to 1.02"));
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::Table;
 use super::row_times::typical_gap;
-use crate::nuisance::scatter;
+use crate::nuisance::{least_gap, scatter};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::{FAR, MORE};
@@ -43,10 +43,10 @@ fn thrown_away(time: &[f64], values: &[f64], falling: f64) -> Vec<(usize, f64)> 
 }
 
 /// Rows that hold exactly 0, a few in turn, where the rows around lead elsewhere: so a log shows readings that failed. A jump says so that is
-/// far beyond the noise, the law by which the rows around go on, and what gravity moves a link by in that time.
+/// far beyond the noise and the encoder's step, the law by which the rows around go on, and what gravity moves a link by in that time.
 fn failed_readings(time: &[f64], values: &[f64], falling: f64) -> Vec<(usize, f64)> {
     let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    let noise = FAR * scatter(&[&finite]).quiet;
+    let noise = FAR * scatter(&[&finite]).quiet.max(least_gap(&finite));
     let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
     let stretches = rows.chunk_by(|one, other| (values[*one] == 0.0) == (values[*other] == 0.0));
     let (mut found, mut place) = (Vec::new(), 0);
@@ -295,6 +295,19 @@ mod tests {
         assert_eq!([6.5e-3, 7.5e-3].map(|level| failed_at(level, 2e-5)), [false, true]);
         // noise of 2e-3 rad scatters by about as much
         assert_eq!([0.015, 0.026].map(|level| failed_at(level, 2e-3)), [false, true]);
+    }
+
+    #[test]
+    fn value_a_reading_fails_by_ten_steps_of_the_encoder() {
+        let step = 5e-4;
+        let failed = |steps: f64| {
+            let time: Vec<f64> = (0..600).map(|row| f64::from(row) * 0.005).collect();
+            let mut values = vec![steps * step; 600];
+            (values[10], values[300]) = ((steps + 1.0) * step, 0.0);
+            glitches(&time, &mut values, 5.0);
+            values[300].is_nan()
+        };
+        assert_eq!([1.0, 9.0, 11.0].map(failed), [false, false, true]);
     }
 
     /// Whether a 0 among rows at some level is no measurement.

@@ -38,7 +38,9 @@ pub fn held_out(
     trained: &Studied,
     known: &mut Trails,
 ) -> Result<HeldOut, Error> {
-    let mut built = build(problem, left)?;
+    // in the way that was searched: rows left out alone may hold nothing that a unit without states remembers
+    let searched = Problem { whole: trained.built.engine.machine.whole, ..problem.clone() };
+    let mut built = build(&searched, left)?;
     let neutral = built.engine.machine.neutral();
     let paths = built.engine.first_paths(&neutral, &built.noise)?;
     let runs = built.engine.chords(&neutral, &paths, &[])?;

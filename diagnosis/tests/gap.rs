@@ -20,11 +20,11 @@ fn law_no_model_sets_the_floor_that_it_is_measured_by() {
     // 1.99 px go to 1.79 on a set like this, where 98 % was told
     assert_eq!(wrong.verdict, Verdict::Unknown);
     assert!(wrong.gap.closed.is_none_or(|closed| closed < 0.5), "{:?}", wrong.gap);
-    // the same data have the same noise; a model's own motion moves frames by what encoders leave open, a hundredth of it
+    // the right model leaves the noise alone; what a wrong one lacks changes within a dozen frames, too, and may double it. None sets it lower
     let picture = |gaps: &[diagnosis::Gap]| gaps.iter().find(|gap| gap.unit == "px").map(|gap| gap.floor);
     let floors = (picture(&right.cross_validation), picture(&wrong.cross_validation));
     let (Some(one), Some(other)) = floors else { panic!("pictures were compared: {floors:?}") };
-    assert!((one / other - 1.0).abs() < 0.02, "{one} {other}");
+    assert!(one < 1.02 * other && other < 2.5 * one, "{one} {other}");
     // and beside what has no name no name is sure
     assert!(wrong.effects.iter().all(|effect| effect.probability < 0.9), "{:?}", wrong.effects);
     assert!(wrong.amended.starts_with("# The amended model, fed with the logged torque of run-01"));

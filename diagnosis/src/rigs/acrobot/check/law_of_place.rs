@@ -68,7 +68,7 @@ impl Law {
 
     /// Whether it is none of noise, and more than a little beside it.
     fn is_evident(&self) -> bool {
-        self.times > CHECK.place && self.share > CHECK.place_share
+        self.times > CHECK.means && self.share > CHECK.form
     }
 }
 

@@ -9,9 +9,11 @@ pub struct Check {
     /// Times what noise alone gives, from which a torque lacks.
     pub torque_ratio: f64,
     /// Share of what the model lacked to which named effects have the form that the product gives them: 0.7 to 1.3 % stay of dry friction of
-    /// a thousand times what can be seen.
+    /// a thousand times what can be seen. As much of what is left may be a law of place: up to 0.012 where all that is there was named, 0.058 where six
+    /// effects imitated a lens.
     pub form: f64,
-    /// Variance of block means over what independent rows would give, from which it is no noise: 0.7 to 1.6 in sets without a residual.
+    /// Variance of block means over what independent rows would give, from which it is no noise: 0.7 to 1.6 in sets without a residual. The same of
+    /// coefficients of a law of place: 0.3 to 0.8, and 6.4 of that lens.
     pub means: f64,
     /// Rows of a block in these sets. At a measured motion the means of more rows show more of the motion's own error, which rows share.
     pub rows: f64,
@@ -41,11 +43,6 @@ pub struct Check {
     /// Share of all squares below which an effect's own square is, so that it needn't resemble the first. Seen: 0.002 and 0.004 where a
     /// lens and a backlash were imitated by five and four effects.
     pub slight: f64,
-    /// Squares that each coefficient of a law of place explains, over what it would of noise and of renderers, from which it is neither. Seen: 0.3 to
-    /// 0.5 where all that is there was named, 6.4 where six effects imitated a lens.
-    pub place: f64,
-    /// Share of all squares that such a law explains at least: a seventh of the noise, root mean square. Seen: up to 0.007, and 0.058.
-    pub place_share: f64,
     /// Share of what a law leaves that all runs share, up to which values of their own must leave for runs to differ.
     pub far_less: f64,
 }
@@ -65,7 +62,5 @@ pub const CHECK: Check = Check {
     mended: HALF * SMALL,
     resembles: PART,
     slight: STEP,
-    place: SEVERAL,
-    place_share: SLIGHT,
     far_less: 1.0 - PART,
 };

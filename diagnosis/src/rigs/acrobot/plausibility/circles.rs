@@ -14,32 +14,35 @@ const WAYS: [(&str, [usize; 2]); 3] = [
     ("circles = \"1 and 3 swapped\"", [0, 2]),
 ];
 
-/// Two circles whose columns are exchanged: so no circle 1 rolls, or no link is as long as it should be.
+/// Two circles whose columns are exchanged in all runs: so no circle 1 rolls, or no link is as long as it should be. Rows in which a vision took one
+/// for the other are put aside one by one.
 pub(super) fn exchanged(facts: &Facts<'_>) -> Option<Finding> {
-    facts.runs.iter().find_map(|run| {
-        let camera = run.camera.as_ref()?;
-        let frames = frames(camera);
-        // upside down links of one length look the same from either end: that is a matter of pixels
-        let down: Vec<Frame> = frames.iter().map(|frame| frame.map(|[u, v]| [u, -v])).collect();
-        if frames.len() < PLAUSIBLE.frames || fits(&frames, &facts.nominal)? || fits(&down, &facts.nominal)? {
-            return None;
-        }
-        let read = |circles: [usize; 2]| {
-            let mut other = frames.clone();
-            other.iter_mut().for_each(|frame| frame.swap(circles[0], circles[1]));
-            fits(&other, &facts.nominal)
-        };
-        let (add, circles) = WAYS.into_iter().find(|way| read(way.1) == Some(true))?;
-        let [one, other] = circles.map(|place| place + 1);
-        Some(Finding {
-            file: format!("{}/camera.csv", run.name),
-            line: camera.line[0],
-            sentence: format!(
-                "circles {one} and {other} look exchanged (columns u{one}, v{one} and u{other}, v{other}): only so does circle 1 roll on \
-                 the ground, and are both links as long as the nominal camera shows them"
-            ),
-            add: add.into(),
-        })
+    let cameras = || {
+        let logged = facts.runs.iter().filter_map(|run| Some((run, run.camera.as_ref()?)));
+        logged.filter(|(_, camera)| !camera.is_empty())
+    };
+    let (run, camera) = cameras().next()?;
+    let frames: Vec<Frame> = cameras().flat_map(|(_, camera)| frames(camera)).collect();
+    // upside down links of one length look the same from either end: that is a matter of pixels
+    let down: Vec<Frame> = frames.iter().map(|frame| frame.map(|[u, v]| [u, -v])).collect();
+    if frames.len() < PLAUSIBLE.frames || fits(&frames, &facts.nominal)? || fits(&down, &facts.nominal)? {
+        return None;
+    }
+    let read = |circles: [usize; 2]| {
+        let mut other = frames.clone();
+        other.iter_mut().for_each(|frame| frame.swap(circles[0], circles[1]));
+        fits(&other, &facts.nominal)
+    };
+    let (add, circles) = WAYS.into_iter().find(|way| read(way.1) == Some(true))?;
+    let [one, other] = circles.map(|place| place + 1);
+    Some(Finding {
+        file: format!("{}/camera.csv", run.name),
+        line: camera.line[0],
+        sentence: format!(
+            "circles {one} and {other} look exchanged (columns u{one}, v{one} and u{other}, v{other}): only so does circle 1 roll on the \
+             ground, and are both links as long as the nominal camera shows them"
+        ),
+        add: add.into(),
     })
 }
 

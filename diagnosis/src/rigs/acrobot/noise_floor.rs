@@ -1,11 +1,12 @@
-//! What noise alone leaves of a signal, without any model that was fitted to the data.
+//! What noise alone leaves of a signal, whatever a model lacks.
 //!
 //! A gap that closes is measured against this. Were it what the amended model itself leaves, any model would close all of the gap that
 //! it was fitted to. So it is what the data set states, or what scatters where nothing but the data speak:
 //! - Torques that were read off a log: what its noise gives them.
 //! - Angles and rates of a plant: after a free start state and free torques in each part of each window.
 //! - An image: about a linear function of pose and rates and a square one of time over a dozen neighbouring frames, with the nominal or the fitted model,
-//!   whichever leaves less. Whatever a lens, a mount or a delay does to an image changes slowly with these; noise doesn't.
+//!   whichever draws it nearer on the pixel lattice. Whatever a lens, a mount or a delay does to an image changes slowly with these; noise
+//!   doesn't.
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::Signal;
@@ -27,7 +28,8 @@ pub fn estimate(nominal: &Evaluation, last: &Evaluation, signals: &[Signal]) -> 
             if !signal.name.starts_with("camera.") || s >= COLUMNS.len() {
                 return signal.known.unwrap_or_else(|| within(s));
             }
-            // what a model lacks changes within a dozen frames, too: of both models the one that leaves less of that
+            // what is seen elsewhere on the pixel lattice than a model draws it has another error of the lattice there, from frame to frame: of both
+            // models the one that draws it nearer
             let scatter = || [nominal, last].into_iter().filter_map(|model| local(model, s)).reduce(f64::min);
             // frames that renderers draw otherwise, and noise
             let scatter = signal.known.or_else(scatter).unwrap_or_else(|| within(s));

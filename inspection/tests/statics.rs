@@ -352,15 +352,11 @@ fn value_findings_are_sentences_and_have_their_line() {
 fn bad_input_entities_are_not_blown_up() {
     let units = Units::new();
     let entity = format!("<!DOCTYPE f [<!ENTITY b \"{}\">]>\n<fmiModelDescription", "a".repeat(1_000_000));
-    let tool = format!(
-        "<VendorAnnotations><Tool name=\"t\">{}</Tool></VendorAnnotations>\n",
-        "<a>&b;</a>".repeat(20_000)
-    );
-    let text = DESCRIPTION.replacen("<fmiModelDescription", &entity, 1).replacen(
-        "  <ModelVariables",
-        &format!("{tool}  <ModelVariables"),
-        1,
-    );
+    let all = "<a>&b;</a>".repeat(20_000);
+    let tool =
+        format!("<VendorAnnotations><Tool name=\"t\">{all}</Tool></VendorAnnotations>\n  <ModelVariables");
+    let text =
+        DESCRIPTION.replacen("<fmiModelDescription", &entity, 1).replacen("  <ModelVariables", &tool, 1);
     assert!(text.len() > DESCRIPTION.len() + 1_200_000, "both are in it");
     let findings = check(&units.pack("entities.fmu", &text, &[]));
     let told: Vec<_> = findings.iter().filter(|finding| finding.rule == "well-formed").collect();

@@ -100,6 +100,7 @@ mod tests {
         assert!((low - 0.055_229).abs() < 1e-5 && (high - 0.174_366).abs() < 1e-5, "{low} {high}");
         assert_eq!(Losses { expected: 100.0, lost: 0.0, counted: 0.0 }.interval(3.0)[0], 0.0);
     }
+
     /// Frames 1/30 s apart, without some rows, counted so from row to row.
     fn camera(without: &[usize], frame: &dyn Fn(usize, usize) -> f64) -> Table {
         let rows: Vec<usize> = (0..100).filter(|row| !without.contains(row)).collect();

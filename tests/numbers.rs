@@ -13,9 +13,7 @@ const NAMED: usize = 118;
 const BARE: usize = 274;
 
 /// Whose numbers decide nothing: a file, or a constant in it, and what it is instead.
-const OTHER: [(&str, &str, &str); 19] = [
-    ("rigs/acrobot/check/law_of_place.rs", "POWERS", "the order of lens laws"),
-    ("rigs/acrobot/residual/image/together.rs", "PLACE", "places of columns"),
+const OTHER: [(&str, &str, &str); 17] = [
     ("observe/measure.rs", "", "exponents of units of measurement"),
     ("statistics/random.rs", "", "a published generator"),
     ("report_graphs.rs", "", "how large a graph is"),

@@ -7,6 +7,7 @@ use super::torque_shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::residual::image::IMAGES;
 use crate::rigs::acrobot::residual::studio::CENTROIDS;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::ROUNDING;
@@ -14,9 +15,6 @@ use crate::statistics::linear::{Cell, Reduced, reduce};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Highest power of an angle: lenses of fifth order bend by the fourth beside what is listed.
-const POWERS: i32 = 4;
 
 /// Such a law, where nothing else has no name.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
@@ -78,11 +76,13 @@ struct Column {
     powers: (i32, i32),
 }
 
-/// Those of all circles: the first two move with the first link alone.
+/// Those of all circles, as high as a surface over the poses goes: the first two move with the first link alone.
 fn columns() -> Vec<Column> {
+    let most = IMAGES.degree as i32;
     let of = |signal: usize| {
-        let second = if signal < CENTROIDS.start + 4 { 0 } else { POWERS };
-        let all = (0..=POWERS).flat_map(move |a| (0..=second.min(POWERS - a)).map(move |b| (a, b)));
+        // the last circle's places are the last two
+        let second = if signal + 2 < CENTROIDS.end { 0 } else { most };
+        let all = (0..=most).flat_map(move |a| (0..=second.min(most - a)).map(move |b| (a, b)));
         all.map(move |powers| Column { signal, powers })
     };
     CENTROIDS.flat_map(of).collect()

@@ -40,6 +40,7 @@ use frame_cache::{FrameCache, MadeFrames};
 use frames::frames;
 pub use laws::Laws;
 pub use noise::Noise;
+pub(crate) use policy::IMAGES;
 pub use poses::pose_shift;
 use poses::{back, free_poses, turned};
 pub use state::ImageState;

@@ -4,19 +4,17 @@
 use super::ImageCut;
 use super::policy::IMAGES;
 use crate::rigs::acrobot::residual::studio::{AREAS, CENTROIDS, Seen};
+use std::ops::Range;
 
 /// A value of circle 1 beside the same one of another circle.
 type Pair = (usize, usize);
 
-/// Areas of circle 1 and of the other two.
-const LIGHT: [Pair; 2] = [(AREAS.start, AREAS.start + 1), (AREAS.start, AREAS.start + 2)];
-/// Places of circle 1 and of the other two, along u and v.
-const PLACE: [Pair; 4] = [
-    (CENTROIDS.start, CENTROIDS.start + 2),
-    (CENTROIDS.start, CENTROIDS.start + 4),
-    (CENTROIDS.start + 1, CENTROIDS.start + 3),
-    (CENTROIDS.start + 1, CENTROIDS.start + 5),
-];
+/// Signals of circle 1 with those of the others, of as many for each circle.
+fn pairs(signals: Range<usize>) -> impl Iterator<Item = Pair> {
+    let each = signals.len() / AREAS.len();
+    let Range { start, end } = signals;
+    (start + each..end).map(move |other| (start + (other - start) % each, other))
+}
 
 /// What two circles share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,14 +30,15 @@ impl ImageCut {
     /// where noise alone may do it. Places that a pose was read off follow it together.
     pub(super) fn together(&self, measured: &[Option<Seen>], made: &[Vec<Option<Seen>>]) -> Option<Together> {
         let runs: Vec<usize> = self.frames.iter().map(|frame| frame.run).collect();
-        let places = if matches!(self.pose, super::Pose::Logged(..)) { &PLACE[..] } else { &[] };
-        let of = |pair: &Pair| {
-            let expected: Vec<f64> = made.iter().filter_map(|set| correlation(set, &runs, *pair)).collect();
+        let told = matches!(self.pose, super::Pose::Logged(..));
+        let of = |pair: Pair| {
+            let expected: Vec<f64> = made.iter().filter_map(|set| correlation(set, &runs, pair)).collect();
             let expected = expected.iter().sum::<f64>() / expected.len().max(1) as f64;
-            correlation(measured, &runs, *pair).map(|seen| (seen, seen - expected, *pair))
+            correlation(measured, &runs, pair).map(|seen| (seen, seen - expected, pair))
         };
-        let all = LIGHT.iter().chain(places).filter_map(of);
-        let most = all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let places = pairs(CENTROIDS).filter(|_| told);
+        let most =
+            pairs(AREAS).chain(places).filter_map(of).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
         is_shared(most.1).then_some(Together { signals: most.2, correlation: most.0 })
     }
 }
@@ -86,11 +85,27 @@ mod tests {
     #[test]
     fn law_circles_share_a_light_and_no_noise() {
         let runs = vec![0; 400];
-        let of = |light: f64| correlation(&frames(light), &runs, LIGHT[0]).expect("400 frames");
+        let of = |light: f64| {
+            correlation(&frames(light), &runs, (AREAS.start, AREAS.start + 1)).expect("400 frames")
+        };
         // half of each scatter is shared; 400 frames tell to 0.05, their differences to a little less
         assert!((of(1.0) - 0.5).abs() < 0.2 && of(0.0).abs() < 0.2, "{} {}", of(1.0), of(0.0));
-        assert_eq!(correlation(&frames(0.0), &runs, PLACE[0]), None, "places were not logged");
-        assert_eq!(correlation(&frames(0.0), &(0..400).collect::<Vec<_>>(), LIGHT[0]), None, "no neighbours");
+        assert_eq!(
+            correlation(&frames(0.0), &runs, (CENTROIDS.start, CENTROIDS.start + 2)),
+            None,
+            "places were not logged"
+        );
+        assert_eq!(
+            correlation(&frames(0.0), &(0..400).collect::<Vec<_>>(), (AREAS.start, AREAS.start + 1)),
+            None,
+            "no neighbours"
+        );
+    }
+
+    #[test]
+    fn every_other_circle_stands_beside_circle_1() {
+        assert_eq!(pairs(AREAS).collect::<Vec<_>>(), [(6, 7), (6, 8)]);
+        assert_eq!(pairs(CENTROIDS).collect::<Vec<_>>(), [(0, 2), (1, 3), (0, 4), (1, 5)]);
     }
 
     #[test]

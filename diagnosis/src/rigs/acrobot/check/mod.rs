@@ -12,12 +12,14 @@ mod image_shape;
 mod law_of_place;
 mod policy;
 mod residual;
+mod shared_scatter;
 mod torque_shape;
 mod widened_gap;
 
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::residual::image::Together;
 use crate::rigs::acrobot::selection::Study;
 pub use clock_drift::drifting;
 pub use image_shape::is_of_angles;
@@ -39,6 +41,8 @@ pub struct Found<'a> {
     pub runs: &'a [String],
     /// The clock of some cut that drifts.
     pub drift: Option<&'a Unknown>,
+    /// Circles that scatter together, where their scatter isn't the nominal sensor's.
+    pub together: Option<Together>,
     /// How far the effects close the gap.
     pub gap: &'a Gap,
 }
@@ -67,7 +71,8 @@ type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 const OF_THE_MODEL: [Doubt; 5] =
     [circle_beside::doubt, residual::doubt, confounded::doubt, law_of_place::doubt, changing_value::doubt];
 /// Doubts of the logs, and of the effects on runs that were left out.
-const OF_THE_LOGS: [Doubt; 3] = [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt];
+const OF_THE_LOGS: [Doubt; 4] =
+    [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt, shared_scatter::doubt];
 
 /// What all doubts leave.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -6,7 +6,7 @@ use super::detectable::add_detectable;
 use super::effects::{Alternates, PartEffects};
 use super::fit_correction::fit_correction;
 use super::log_clocks::{doubts_by_clock, late_log_instead};
-use super::noise_and_losses::{add_lost_frames, add_sensor_noise, shared_scatter};
+use super::noise_and_losses::{add_lost_frames, add_sensor_noise};
 use super::policy::PIPELINE;
 use super::torque_scale::tell_torque_scale;
 use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
@@ -104,6 +104,7 @@ impl Conclusion {
             free: &free,
             runs: &logs.runs,
             drift: logs.drift.as_ref(),
+            together: part.noise.filter(|noise| noise.clear).and_then(|noise| noise.together),
             gap: &gap,
         });
         if part.study.active.is_empty() {
@@ -181,7 +182,6 @@ impl Conclusion {
         let (rig, list) = (logs.rig, &logs.rig.list);
         let mut point = compared.point.clone();
         self.withdrawn.iter().for_each(|index| point[*index] = list[*index].off);
-        self.unknown = self.unknown.take().or_else(|| shared_scatter(&compared.parts));
         let found = self.effects.len();
         // a residual that no effect gives scatters, too
         if self.unknown.is_none() {

@@ -3,39 +3,13 @@
 use super::Rig;
 use super::compare::Part;
 use super::policy::PIPELINE;
-use crate::diagnosis::{Effect, Unknown};
+use crate::diagnosis::Effect;
 use crate::error::Notice;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::lost_frames::{Losses, count_losses, tell_unlogged};
-use crate::rigs::acrobot::residual::studio::AREAS;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::{DOUBTED, WITHIN};
 use std::collections::BTreeMap;
-
-/// What makes circles scatter together, which no noise of a sensor does.
-pub(super) fn shared_scatter(parts: &[Part]) -> Option<Unknown> {
-    let mut shared = parts.iter().filter_map(|part| {
-        let together = part.noise.filter(|noise| noise.clear)?.together?;
-        let name = |signal: usize| part.signals[signal].name.as_str();
-        let [one, other] = [together.signals.0, together.signals.1].map(name);
-        let what = if AREAS.contains(&together.signals.0) {
-            "a light that flickers"
-        } else {
-            "time stamps that are off, or a mount that shakes"
-        };
-        Some(Unknown {
-            signal: one.into(),
-            depends_on: vec!["time".into()],
-            shape: format!(
-                "scatters from frame to frame together with {other} (correlation {:.2}), which no noise of a sensor does: as by {what}",
-                together.correlation
-            ),
-            nearest: "noise of the sensor scatters each circle on its own".into(),
-            ..Unknown::default()
-        })
-    });
-    shared.next()
-}
 
 /// Adds the sensor's noise, where the image scatters as no nominal sensor does.
 pub(super) fn add_sensor_noise(

@@ -44,6 +44,7 @@ pub(crate) use policy::IMAGES;
 pub use poses::pose_shift;
 use poses::{back, free_poses, turned};
 pub use state::ImageState;
+pub use together::Together;
 
 /// A measured frame.
 #[derive(Debug, Clone)]

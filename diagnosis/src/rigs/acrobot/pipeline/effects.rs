@@ -9,7 +9,7 @@ use crate::diagnosis::{Effect, Member};
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::rigs::acrobot::selection::{Alternative, CLASS};
-use crate::statistics::levels::WITHIN;
+use crate::statistics::levels::{DOUBTED, WITHIN};
 use nalgebra::DVector;
 
 /// A better guess within the class of an effect.
@@ -32,6 +32,8 @@ pub(super) struct PartEffects<'a> {
     errors: Vec<Option<f64>>,
     /// Variances of their coordinates by what right renderers differ by.
     systematic: DVector<f64>,
+    /// The same by another light than the nominal one; `None` in that one.
+    unlit: Option<DVector<f64>>,
     /// What their names are worth beside a residual that has none; `None` where there is no such residual.
     worths: Option<Vec<Worth>>,
     /// Candidates that the log's clock leaves in doubt, and the standard deviation of their coordinate by it.
@@ -52,8 +54,10 @@ impl<'a> PartEffects<'a> {
     ) -> Self {
         let errors = standard_errors(&part.study, free);
         let systematic = part.study.last.systematic(free, &part.signals);
+        let larger = part.noise.filter(|noise| !noise.is_lit()).map(|noise| noise.larger);
+        let unlit = larger.map(|larger| part.study.last.systematic_unlit(free, &part.signals, larger));
         let worths = confounded.map(|confounded| worths(&part.study, &rig.list, free, confounded));
-        Self { rig, part, free, errors, systematic, worths, doubts, early }
+        Self { rig, part, free, errors, systematic, unlit, worths, doubts, early }
     }
 
     /// Each effect, and the candidate that is named in its place if another one is.
@@ -119,7 +123,8 @@ impl<'a> PartEffects<'a> {
     fn standard_error(&self, index: usize) -> Option<f64> {
         let place = self.place(index)?;
         let doubt = doubt_of(self.doubts, index).hypot(doubt_of(&self.part.rough, index));
-        let own = self.errors[place]?.hypot(self.systematic[place].sqrt()).hypot(doubt);
+        let light = self.unlit.as_ref().map_or(0.0, |unlit| unlit[place].sqrt());
+        let own = self.errors[place]?.hypot(self.systematic[place].sqrt()).hypot(light).hypot(doubt);
         Some(self.worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / WITHIN)))
     }
 
@@ -128,6 +133,14 @@ impl<'a> PartEffects<'a> {
         self.worth(index).map_or(1.0, |worth| worth.share)
             * confirmed(&self.part.study, &self.rig.data, &self.rig.list, index)
             * share_beside_zeros(&self.part.shared, index, self.early)
+            * self.share_in_light(index)
+    }
+
+    /// What a name keeps where another light than the nominal one may be all that it stands for.
+    fn share_in_light(&self, index: usize) -> f64 {
+        let size = self.part.study.last.point[index] - self.rig.list[index].off;
+        let variance = self.unlit.as_ref().zip(self.place(index)).map_or(0.0, |(unlit, place)| unlit[place]);
+        if size * size < DOUBTED * DOUBTED * variance { PIPELINE.half_asked } else { 1.0 }
     }
 }
 

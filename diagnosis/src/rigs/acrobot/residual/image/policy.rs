@@ -50,6 +50,9 @@ pub struct Images {
     /// Difference of all areas alike from which the light is not the nominal one, px, so that noise against it is another one: a light that
     /// is a fiftieth lower makes as much.
     pub unlit: f64,
+    /// By how much another light or threshold puts a centroid off at one place on the pixel lattice, px: a thirtieth, five times what right renderers
+    /// differ by.
+    pub unlit_place: f64,
     /// Realisations of the noise for each frame.
     pub made: i32,
     /// Standard deviation of a pose read off an image and smoothed by the plant, rad.
@@ -96,6 +99,7 @@ pub const IMAGES: Images = Images {
     chance: SEVERAL,
     level: 1.0,
     unlit: HALF,
+    unlit_place: HALF * FAR * CENTROIDS_APART,
     made: RESIDUAL.averaged,
     read: POLICY.read,
     noise_beside: 2.0 * CENTROIDS_APART,

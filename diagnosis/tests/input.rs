@@ -54,6 +54,17 @@ fn every_run_that_is_not_there_is_refused_with_its_line() {
     assert!(diagnosis::rigs::acrobot::dataset::DataSet::load(small("noted-run", &head).path()).is_ok());
 }
 
+#[test]
+fn every_log_with_other_separators_is_refused_with_its_line() {
+    for (name, sign, separators) in [("semicolons", ";", "semicolons"), ("tabs", "\t", "tabs")] {
+        let folder = small(name, &manifest(1));
+        folder.put("run-01/plant.csv", &plant(60, 1.0).replace(',', sign));
+        let said = refused(&folder, &options());
+        let wanted = format!("plant.csv:1: columns are separated by {separators}; wanted are commas");
+        assert!(said.contains(&wanted), "{said}");
+    }
+}
+
 /// Which rows stay, by name of their file and time.
 type Keep = fn(&str, f64) -> bool;
 

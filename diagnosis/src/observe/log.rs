@@ -3,7 +3,7 @@
 //! An empty cell, or `nan`, was not measured then. Rows whose time is not later than the one before are left out, with a
 //! notice; what is no number is an error with its line.
 
-use super::{EPOCH, Series};
+use super::{EPOCH, Series, csv_text};
 use crate::error::{Error, Notice};
 use crate::statistics::levels::SMALL;
 use orchestrator::nearest;
@@ -28,43 +28,11 @@ pub(super) struct Times {
     rows: Vec<(usize, f64)>,
 }
 
-/// The text of a file of plain CSV, without the mark of its encoding.
-fn read_text(path: &Path) -> Result<String, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(wrong(1, "the file is in UTF-16; save it as CSV in UTF-8".into()));
-    }
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + valid.iter().filter(|b| **b == b'\n').count();
-        wrong(line, "not UTF-8; save the file as CSV in UTF-8".into())
-    })?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text).replace("\r\n", "\n");
-    let head = text.lines().next().unwrap_or("");
-    if head.contains(';') && !head.contains(',') {
-        return Err(wrong(
-            1,
-            "columns are separated by semicolons; wanted are commas between columns and points in numbers (`acroscope \
-             import` converts such a file)"
-                .into(),
-        ));
-    }
-    if head.contains('\t') && !head.contains(',') {
-        return Err(wrong(
-            1,
-            "columns are separated by tabs; wanted are commas (`acroscope import` converts such a file)"
-                .into(),
-        ));
-    }
-    Ok(text)
-}
-
 impl Log {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
-        let text = read_text(path)?;
+        let text = csv_text::read(path, " (`acroscope import` converts such a file)")?;
         let mut reader =
             csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
         let columns: Vec<String> = match reader.headers() {

@@ -16,6 +16,7 @@
 
 mod candidates;
 mod clock;
+pub(crate) mod csv_text;
 mod log;
 pub mod measure;
 mod nominal;

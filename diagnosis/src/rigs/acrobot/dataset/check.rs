@@ -96,6 +96,31 @@ fn check_torque(run: &mut Run, notices: &mut Vec<Notice>) {
     }
 }
 
+/// Tells of runs whose torque has one value in all rows, where that of others changes: a motor that nobody drove, or a column that was not
+/// recorded. Which one, nobody but the lab knows.
+pub fn tell_constant_torques(runs: &[Run], notices: &mut Vec<Notice>) {
+    let constant = |run: &Run| {
+        let log = run.controller.as_ref()?;
+        let tau: Vec<f64> = log.column("tau")?.iter().copied().filter(|tau| tau.is_finite()).collect();
+        let first = *tau.first()?;
+        Some((tau.iter().all(|own| *own == first), first, tau.len()))
+    };
+    let Some(other) = runs.iter().find(|run| constant(run).is_some_and(|(constant, ..)| !constant)) else {
+        return;
+    };
+    for run in runs {
+        let Some((true, torque, rows)) = constant(run).filter(|(.., rows)| *rows >= POLICY.rows) else {
+            continue;
+        };
+        let message = format!(
+            "tau is {} N·m in all {rows} rows, while it changes in {}: if the motor was driven in this run, too, the column was not recorded",
+            brief(torque),
+            other.name
+        );
+        notices.push(Notice { file: format!("{}/controller.csv", run.name), line: 0, message });
+    }
+}
+
 /// Why a plant's log can't be used, and in which line that shows.
 fn unusable_plant(plant: &Table, falling: [f64; 2]) -> Option<(usize, String)> {
     if let Some(name) = ["q1", "q2"].iter().find(|name| plant.column(name).is_none()) {
@@ -239,5 +264,33 @@ mod tests {
         without_torque(&mut run, false);
         let torque = run.controller.map(|log| (log.time, log.line));
         assert_eq!(torque, Some((vec![0.1, 0.3], vec![3, 5])));
+    }
+
+    #[test]
+    fn every_torque_of_one_value_is_told_where_others_change() {
+        let run = |name: &str, tau: &dyn Fn(usize) -> f64, rows: usize| Run {
+            name: name.into(),
+            camera: None,
+            controller: Some(Table::new(
+                (0..rows).map(|row| row as f64).collect(),
+                vec![("tau".into(), (0..rows).map(tau).collect())],
+            )),
+            plant: None,
+        };
+        let told = |runs: &[Run]| {
+            let mut notices = Vec::new();
+            tell_constant_torques(runs, &mut notices);
+            notices.into_iter().map(|notice| (notice.file, notice.message)).collect::<Vec<_>>()
+        };
+        let (still, driven) = (run("run-01", &|_| 0.0, 300), run("run-02", &|row| row as f64, 300));
+        let both = told(&[still.clone(), driven.clone()]);
+        assert_eq!(both.len(), 1);
+        assert_eq!(both[0].0, "run-01/controller.csv");
+        assert!(
+            both[0].1.starts_with("tau is 0 N·m in all 300 rows, while it changes in run-02"),
+            "{both:?}"
+        );
+        // an arm that nobody drives at all, and two rows
+        assert_eq!([told(&[still.clone(), still]), told(&[run("run-03", &|_| 0.0, 2), driven])], [[], []]);
     }
 }

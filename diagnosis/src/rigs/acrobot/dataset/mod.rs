@@ -253,6 +253,7 @@ impl Reading {
         if runs.is_empty() {
             return Err(Error::NothingUsable { path, notices });
         }
+        check::tell_constant_torques(&runs, &mut notices);
         let late_by_hand = 0.0;
         Ok(DataSet { path, manifest, runs, notices, clocks_apart, late_by_hand, pictures_apart, blind })
     }

@@ -1,6 +1,7 @@
 //! One CSV log: `time` and columns of numbers; an empty cell is `NaN` (not measured then).
 
 use crate::error::{Error, Notice};
+use crate::observe::csv_text;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use std::path::Path;
 
@@ -124,14 +125,12 @@ pub fn load(
 ) -> Result<Option<Table>, Error> {
     let path = root.join(run).join(file);
     let label = format!("{run}/{file}");
-    let text = match std::fs::read_to_string(&path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(source) => return Err(Error::Io { path, source }),
-    };
+    if !path.try_exists().map_err(|source| Error::Io { path: path.clone(), source })? {
+        return Ok(None);
+    }
+    let text = csv_text::read(&path, "")?;
     let mut notes = Notes { file: label, into: notices, counts: Vec::new() };
-    // the reader counts a line that ends in two characters to the one before
-    let table = parse(&text.replace("\r\n", "\n"), known, &mut notes);
+    let table = parse(&text, known, &mut notes);
     notes.finish();
     Ok(table)
 }

@@ -39,8 +39,8 @@ impl Earlier {
     /// There is none, or it isn't one that we wrote.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        let text =
-            std::fs::read_to_string(&path).map_err(|source| Error::Io { path: path.clone(), source })?;
+        let text = orchestrator::plain::read_text(&path)
+            .map_err(|source| Error::Io { path: path.clone(), source })?;
         let said: Said = serde_json::from_str(&text)
             .map_err(|error| Error::Earlier { path: path.clone(), problem: error.to_string() })?;
         let class =

@@ -65,6 +65,19 @@ fn every_log_with_other_separators_is_refused_with_its_line() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn every_pipe_in_the_place_of_a_log_or_head_is_refused_without_waiting() {
+    for file in ["run-01/plant.csv", "dataset.toml"] {
+        let folder = small("pipe", &manifest(1));
+        let path = folder.path().join(file);
+        std::fs::remove_file(&path).expect("it was put there");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().expect("of POSIX").success());
+        let said = refused(&folder, &options());
+        assert!(said.contains(file) && said.contains("it is a pipe, not a file"), "{said}");
+    }
+}
+
 /// Which rows stay, by name of their file and time.
 type Keep = fn(&str, f64) -> bool;
 

@@ -116,7 +116,8 @@ fn records(text: &Text, path: &Path) -> Result<(Vec<Header>, Vec<Record>), Error
 impl Sheet {
     /// Reads a file.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let bytes =
+            orchestrator::plain::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let text = Text::decode(&bytes, path)?;
         let (mut columns, mut records) = records(&text, path)?;
         if records.first().is_some_and(|(_, record)| is_line_of_units(record)) {

@@ -8,7 +8,8 @@ use std::path::Path;
 /// # Errors
 /// It can't be read, or is written otherwise; `otherwise` says what helps.
 pub fn read(path: &Path, otherwise: &str) -> Result<String, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    let bytes =
+        orchestrator::plain::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(wrong(1, "the file is in UTF-16; save it as CSV in UTF-8".into()));

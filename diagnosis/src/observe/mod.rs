@@ -374,7 +374,7 @@ impl Nominal {
 
 /// The number after `format =` in the `dataset.toml` of a folder; `None` where there is none to be read.
 pub fn format(folder: &Path) -> Option<i64> {
-    let text = std::fs::read_to_string(folder.join("dataset.toml")).ok()?;
+    let text = orchestrator::plain::read_text(&folder.join("dataset.toml")).ok()?;
     text.parse::<toml::Table>().ok()?.get("format")?.as_integer()
 }
 

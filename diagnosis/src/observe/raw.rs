@@ -99,8 +99,8 @@ pub(super) struct File {
 impl File {
     /// Reads `dataset.toml`.
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let text = orchestrator::plain::read_text(path)
+            .map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let raw: Raw = toml::from_str(&text).map_err(|error: toml::de::Error| {
             let line = line(&text, &error.span().unwrap_or(0..0));
             Error::Manifest { path: path.to_owned(), line, problem: advised(error.message()) }

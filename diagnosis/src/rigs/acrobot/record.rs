@@ -149,7 +149,7 @@ impl FrameClock {
         if !path.exists() {
             return Ok(None);
         }
-        let text = std::fs::read_to_string(path).map_err(io(path))?;
+        let text = orchestrator::plain::read_text(path).map_err(io(path))?;
         let wrong = |error: toml::de::Error| io(path)(std::io::Error::other(error.message().to_owned()));
         let table: toml::Table = text.parse().map_err(wrong)?;
         let units = table.get("units").and_then(toml::Value::as_array);

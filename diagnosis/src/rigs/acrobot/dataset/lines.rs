@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 /// Line of a key, by the names of its tables and its own, joined by dots as `[set]` joins them: `set.plant.q1_0`. Of what isn't
 /// there the line of its table, or the first.
 pub(crate) fn line_of(path: &Path, name: &str) -> usize {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let text = orchestrator::plain::read_text(path).unwrap_or_default();
     line_in(&text, name)
 }
 

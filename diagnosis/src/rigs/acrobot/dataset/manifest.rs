@@ -38,8 +38,8 @@ impl Manifest {
     /// # Errors
     /// The file can't be read, isn't TOML, lacks something, or has something that nobody would read; the message names the line.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let text = orchestrator::plain::read_text(path)
+            .map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let file = File { path, text: &text };
         let root: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let at = error.span().map_or(0, |span| span.start);

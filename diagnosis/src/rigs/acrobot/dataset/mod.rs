@@ -224,6 +224,7 @@ impl Reading {
     /// No run is usable.
     pub(crate) fn checked(self) -> Result<DataSet, Error> {
         let Self { path, manifest, nominal, runs: read, mut notices } = self;
+        check::tell_constant_torques(&read, &mut notices);
         let (mut clocks_apart, mut pictures_apart) = (false, false);
         let (mut runs, mut blind) = (Vec::new(), BTreeMap::new());
         for mut run in read {
@@ -253,7 +254,6 @@ impl Reading {
         if runs.is_empty() {
             return Err(Error::NothingUsable { path, notices });
         }
-        check::tell_constant_torques(&runs, &mut notices);
         let late_by_hand = 0.0;
         Ok(DataSet { path, manifest, runs, notices, clocks_apart, late_by_hand, pictures_apart, blind })
     }

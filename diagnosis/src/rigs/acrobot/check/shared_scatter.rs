@@ -39,14 +39,12 @@ mod tests {
 
     #[test]
     fn every_pair_is_told_with_what_it_may_be() {
-        let told = |signals: (usize, usize)| Together { signals, correlation: -0.7 };
-        let [light, stamps] = [(6, 7), (0, 4)].map(|pair| shared_by(told(pair), &self::signals()));
-        assert_eq!((light.signal.as_str(), stamps.signal.as_str()), ("camera.area1", "camera.u1"));
-        assert!(light.shape.contains("camera.area2 (correlation -0.70)") && light.shape.contains("a light"));
-        assert!(
-            stamps.shape.contains("camera.u3") && stamps.shape.contains("time stamps"),
-            "{}",
-            stamps.shape
-        );
+        for (pair, what) in [((6, 7), "a light that flickers"), ((0, 4), "time stamps that are off")] {
+            let all = signals();
+            let told = shared_by(Together { signals: pair, correlation: -0.7 }, &all);
+            assert_eq!(told.signal, all[pair.0].name);
+            let together = format!("together with {} (correlation -0.70)", all[pair.1].name);
+            assert!(told.shape.contains(&together) && told.shape.contains(what), "{}", told.shape);
+        }
     }
 }

@@ -123,8 +123,8 @@ impl<'a> PartEffects<'a> {
     fn standard_error(&self, index: usize) -> Option<f64> {
         let place = self.place(index)?;
         let doubt = doubt_of(self.doubts, index).hypot(doubt_of(&self.part.rough, index));
-        let light = self.unlit.as_ref().map_or(0.0, |unlit| unlit[place].sqrt());
-        let own = self.errors[place]?.hypot(self.systematic[place].sqrt()).hypot(light).hypot(doubt);
+        let simulated = self.systematic[place].sqrt().hypot(self.by_light(index));
+        let own = self.errors[place]?.hypot(simulated).hypot(doubt);
         Some(self.worth(index).map_or(own, |worth| (own * worth.wider).hypot(worth.moves / WITHIN)))
     }
 
@@ -133,15 +133,22 @@ impl<'a> PartEffects<'a> {
         self.worth(index).map_or(1.0, |worth| worth.share)
             * confirmed(&self.part.study, &self.rig.data, &self.rig.list, index)
             * share_beside_zeros(&self.part.shared, index, self.early)
-            * self.share_in_light(index)
+            * share_in_light(
+                self.part.study.last.point[index] - self.rig.list[index].off,
+                self.by_light(index),
+            )
     }
 
-    /// What a name keeps where another light than the nominal one may be all that it stands for.
-    fn share_in_light(&self, index: usize) -> f64 {
-        let size = self.part.study.last.point[index] - self.rig.list[index].off;
-        let variance = self.unlit.as_ref().zip(self.place(index)).map_or(0.0, |(unlit, place)| unlit[place]);
-        if size * size < DOUBTED * DOUBTED * variance { PIPELINE.half_asked } else { 1.0 }
+    /// The standard deviation of a coordinate by another light than the nominal one, 0 in that one.
+    fn by_light(&self, index: usize) -> f64 {
+        self.unlit.as_ref().zip(self.place(index)).map_or(0.0, |(unlit, place)| unlit[place].sqrt())
     }
+}
+
+/// The share of its certainty that a name of this size keeps, where another light than the nominal one, which makes so much of it, may be
+/// all that it stands for.
+fn share_in_light(size: f64, light: f64) -> f64 {
+    if size.abs() < DOUBTED * light { PIPELINE.half_asked } else { 1.0 }
 }
 
 /// The share of its certainty that a name keeps beside zeros that explain as much, and where time was up `early`: then who else might
@@ -207,6 +214,12 @@ mod tests {
         let better = |loss: f64| better_guess(0, &class(0.0, loss), &list).map(|best| best.candidate);
         // 0.3
         assert_eq!([0.27, 0.33].map(better), [None, Some(1)]);
+    }
+
+    #[test]
+    fn value_a_name_keeps_half_within_three_standard_deviations_of_another_light() {
+        let kept = [(-2.9, 1.0), (3.1, 1.0), (1e-6, 0.0)].map(|(size, light)| share_in_light(size, light));
+        assert_eq!(kept, [0.5, 1.0, 1.0]);
     }
 
     #[test]

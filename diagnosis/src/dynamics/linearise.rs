@@ -9,6 +9,7 @@ use super::input_begin::{self, Begin};
 use super::lag;
 use super::machine::{Machine, Reference, Role};
 use super::policy::DYNAMICS;
+use super::refused_values::Refused;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::Error;
@@ -18,7 +19,6 @@ use crate::infer::sweep::MOST_STATES;
 use crate::observe::{InputEffect, Reading};
 use crate::statistics::levels::TASK;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 /// A sensitivity column: from where the parameters are to this value of one of them. A short chord is a derivative; a
@@ -56,7 +56,7 @@ pub struct Engine {
     /// Whether units can be reset.
     pub resets: bool,
     /// Parameters with which a unit couldn't be run: their value and what it said.
-    pub(crate) refused: Mutex<BTreeMap<usize, (f64, String)>>,
+    pub(crate) refused: Mutex<Refused>,
 }
 
 /// Differences of one row: a vector for the base and one for each direction.

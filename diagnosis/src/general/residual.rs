@@ -237,6 +237,17 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
     list
 }
 
+/// Names in the order in which they come first.
+fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut once: Vec<String> = Vec::new();
+    for name in names {
+        if !once.iter().any(|known| known == name) {
+            once.push(name.to_owned());
+        }
+    }
+    once
+}
+
 /// Forward selection over the terms: what the course depends on, and how.
 pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Vec<String>, String) {
     let terms = terms(engine, studied);
@@ -272,8 +283,7 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
     if chosen.is_empty() {
         return (Vec::new(), "it follows no state, no input and no time".into());
     }
-    let mut names: Vec<String> = chosen.iter().map(|term| terms[*term].0.clone()).collect();
-    names.dedup();
+    let names = each_once(chosen.iter().map(|term| terms[*term].0.as_str()));
     let words: Vec<String> = chosen.iter().map(|term| terms[*term].1.clone()).collect();
     let share = 100.0 * (1.0 - square / whole);
     (names, format!("{}; that explains {share:.0} % of its variance", words.join(", then ")))
@@ -281,7 +291,13 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
 
 #[cfg(test)]
 mod tests {
-    use super::{GENERAL, waves};
+    use super::{GENERAL, each_once, waves};
+
+    #[test]
+    fn every_variable_of_several_terms_is_told_once() {
+        // linear in x, linear in u, cubic in x
+        assert_eq!(each_once(["x", "u", "x"].into_iter()), ["x", "u"]);
+    }
 
     #[test]
     fn value_any_memory_from_a_row_to_a_long_log_is_near_one_to_begin_with() {

@@ -34,6 +34,7 @@ pub use search::{linearise, study, study_until};
 pub use steadiness::{Steadiness, steadiness};
 
 use crate::rigs::acrobot::candidates::{Candidate, continuous};
+use policy::SELECTION;
 
 /// One step of the search, as the story tells it.
 #[derive(Debug, Clone)]
@@ -90,5 +91,40 @@ impl Study {
     /// The active candidates whose coordinate is continuous.
     pub fn continuous(&self, list: &[Candidate]) -> Vec<usize> {
         continuous(list, &self.active)
+    }
+
+    /// Whether the search ended since as many effects are on as it goes to, and not since nothing more was found.
+    pub fn is_full(&self) -> bool {
+        is_full(self.active.len(), self.steps.last())
+    }
+}
+
+/// Whether a search of so many effects that ended with this step may have gone on.
+fn is_full(active: usize, last: Option<&Step>) -> bool {
+    let found = |step: &Step| step.accepted.is_some() || !step.together.is_empty();
+    active >= SELECTION.search_most && last.is_some_and(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Step, is_full};
+
+    #[test]
+    fn value_a_search_that_ends_with_six_effects_may_have_gone_on() {
+        let step = |accepted, together| Step {
+            best: Vec::new(),
+            p_value: 0.0,
+            accepted,
+            together,
+            dropped: Vec::new(),
+            deviance: (0.0, 0.0),
+            mean_square: (0.0, 0.0),
+            held_out: (0.0, 0.0),
+        };
+        let one = step(Some(3), Vec::new());
+        assert!(is_full(6, Some(&one)) && !is_full(5, Some(&one)));
+        assert!(is_full(7, Some(&step(None, vec![1, 2]))));
+        // it looked for more and found nothing, or began with all and looked for none
+        assert!(!is_full(6, Some(&step(None, Vec::new()))) && !is_full(6, None));
     }
 }

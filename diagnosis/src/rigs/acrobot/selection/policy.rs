@@ -110,7 +110,7 @@ pub struct Selection {
     pub classes_straight: f64,
     /// A fit that loses more than this is far enough not to be settled any further: that took 0.03 away at most on ten sets.
     pub classes_far: f64,
-    /// Deviance of a frame that a camera would have lost and the data have: nobody loses less than one in a hundred, 2 ln 100.
+    /// Deviance of a frame that a camera would have lost and the data have: about 2 ln 100, since nobody loses less than one in a hundred.
     pub unseen: f64,
     /// Decrease of the deviance that a torque must bring to be lacking where poses are read off images: the lattice leads poses a little
     /// astray all along. Seen: at most 70 in 40 sets of 60 s without a lacking torque, 20 000 and more with one.

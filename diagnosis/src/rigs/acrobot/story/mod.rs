@@ -36,6 +36,9 @@ pub fn of_study(study: &Study, list: &[Candidate], gap: &Gap, left: Option<&Unkn
             lines.push(format!("{} {why} and was dropped.", list[*index].name));
         }
     }
+    if study.is_full() {
+        lines.push(format!("So many effects, {}, are as many as are searched for.", study.active.len()));
+    }
     lines.push(of_end_of_search(gap, left));
     lines
 }

@@ -4,7 +4,7 @@ use crate::rigs::acrobot::channels::CENTROIDS_APART;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::statistics::levels::{FAR, FEW, HALF, PART, ROWS, SAMPLE, SEVERAL, SMALL, STEP};
+use crate::statistics::levels::{FAR, FEW, HALF, ROWS, SAMPLE, SEVERAL, SMALL, STEP};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,8 +63,8 @@ pub struct Images {
     pub enough: usize,
     /// Rows of one block, whose scatter is independent of the next one's.
     pub noise_block: usize,
-    /// Correlation of two circles' changes from frame to frame from which no noise of a sensor makes them: a light that makes half as much again of
-    /// its scatter.
+    /// Correlation of two circles' changes from frame to frame that is worth a word, where enough frames tell it: a mount that shakes by a
+    /// third of what the sensor scatters.
     pub together: f64,
     /// To what share a predicted variance is known: right renderers cut the rim's pixels differently, and one more pixel
     /// near the threshold is a tenth of all that flicker.
@@ -105,7 +105,7 @@ pub const IMAGES: Images = Images {
     noise_beside: 2.0 * CENTROIDS_APART,
     enough: SAMPLE,
     noise_block: SAMPLE,
-    together: PART,
+    together: SMALL,
     known: SMALL,
     least: HALF,
     most: FAR * FAR,

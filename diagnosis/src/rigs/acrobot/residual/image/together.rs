@@ -4,6 +4,7 @@
 use super::ImageCut;
 use super::policy::IMAGES;
 use crate::rigs::acrobot::residual::studio::{AREAS, CENTROIDS, Seen};
+use crate::statistics::levels::CERTAIN;
 use std::ops::Range;
 
 /// A value of circle 1 beside the same one of another circle.
@@ -32,24 +33,37 @@ impl ImageCut {
         let runs: Vec<usize> = self.frames.iter().map(|frame| frame.run).collect();
         let told = matches!(self.pose, super::Pose::Logged(..));
         let of = |pair: Pair| {
-            let expected: Vec<f64> = made.iter().filter_map(|set| correlation(set, &runs, pair)).collect();
-            let expected = expected.iter().sum::<f64>() / expected.len().max(1) as f64;
-            correlation(measured, &runs, pair).map(|seen| (seen, seen - expected, pair))
+            let expected: Vec<f64> =
+                made.iter().filter_map(|set| Some(correlation(set, &runs, pair)?.0)).collect();
+            let (seen, count) = correlation(measured, &runs, pair)?;
+            let sets = expected.len().max(1) as f64;
+            let more = seen - expected.iter().sum::<f64>() / sets;
+            Some((
+                Together { signals: pair, correlation: seen },
+                more,
+                error(count) * (1.0 + 1.0 / sets).sqrt(),
+            ))
         };
         let places = pairs(CENTROIDS).filter(|_| told);
-        let most =
-            pairs(AREAS).chain(places).filter_map(of).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        is_shared(most.1).then_some(Together { signals: most.2, correlation: most.0 })
+        let shared =
+            pairs(AREAS).chain(places).filter_map(of).filter(|(_, more, error)| is_shared(*more, *error));
+        shared.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(together, ..)| together)
     }
 }
 
-/// Whether a correlation is more than noise leaves.
-fn is_shared(more: f64) -> bool {
-    more.abs() > IMAGES.together
+/// Standard error of the correlation of so many changes from frame to frame, of values that share nothing: each change shares a value
+/// with the next one, so that two changes in three count.
+fn error(count: usize) -> f64 {
+    (1.5 / count as f64).sqrt()
 }
 
-/// Correlation of what two signals change by from one frame to the next; nothing where too few neighbours tell.
-fn correlation(frames: &[Option<Seen>], runs: &[usize], (one, other): Pair) -> Option<f64> {
+/// Whether a correlation is more than noise leaves: clear of its error, and no small one.
+fn is_shared(more: f64, error: f64) -> bool {
+    more.abs() > IMAGES.together.max(CERTAIN * error)
+}
+
+/// Correlation of what two signals change by from one frame to the next, and of how many changes; nothing where too few neighbours tell.
+fn correlation(frames: &[Option<Seen>], runs: &[usize], (one, other): Pair) -> Option<(f64, usize)> {
     let (mut xx, mut yy, mut xy, mut count) = (0.0, 0.0, 0.0, 0);
     for place in 1..frames.len() {
         let (Some(before), Some(after)) = (frames[place - 1], frames[place]) else { continue };
@@ -61,7 +75,7 @@ fn correlation(frames: &[Option<Seen>], runs: &[usize], (one, other): Pair) -> O
             count += 1;
         }
     }
-    (count >= IMAGES.enough && xx > 0.0 && yy > 0.0).then(|| xy / (xx * yy).sqrt())
+    (count >= IMAGES.enough && xx > 0.0 && yy > 0.0).then(|| (xy / (xx * yy).sqrt(), count))
 }
 
 #[cfg(test)]
@@ -86,7 +100,7 @@ mod tests {
     fn law_circles_share_a_light_and_no_noise() {
         let runs = vec![0; 400];
         let of = |light: f64| {
-            correlation(&frames(light), &runs, (AREAS.start, AREAS.start + 1)).expect("400 frames")
+            correlation(&frames(light), &runs, (AREAS.start, AREAS.start + 1)).expect("400 frames").0
         };
         // half of each scatter is shared; 400 frames tell to 0.05, their differences to a little less
         assert!((of(1.0) - 0.5).abs() < 0.2 && of(0.0).abs() < 0.2, "{} {}", of(1.0), of(0.0));
@@ -109,7 +123,28 @@ mod tests {
     }
 
     #[test]
-    fn value_circles_scatter_together_from_three_tenths_on() {
-        assert_eq!([0.28, 0.32, -0.32].map(is_shared), [false, true, true]);
+    fn law_changes_of_independent_values_correlate_within_their_error() {
+        let squared = |seed: u64| {
+            let mut random = Random::new(seed);
+            let frames: Vec<_> = (0..200)
+                .map(|_| {
+                    let mut seen = [f64::NAN; COLUMNS.len()];
+                    AREAS.for_each(|area| seen[area] = random.normal());
+                    Some(seen)
+                })
+                .collect();
+            let (seen, count) = correlation(&frames, &[0; 200], (AREAS.start, AREAS.start + 1)).unwrap();
+            (seen / error(count)).powi(2)
+        };
+        // 400 squares of a standard normal have a mean of 1 to 0.07
+        let mean = (0..400).map(squared).sum::<f64>() / 400.0;
+        assert!((mean - 1.0).abs() < 4.0 * 0.07, "{mean}");
+    }
+
+    #[test]
+    fn value_circles_scatter_together_from_a_tenth_on_that_is_clear_of_its_error() {
+        let of = |more: f64| is_shared(more, 0.001);
+        assert_eq!([0.09, 0.11, -0.11].map(of), [false, true, true]);
+        assert_eq!([0.05, 0.04, 0.0].map(|error| is_shared(0.2, error)), [false, true, true]);
     }
 }

@@ -22,7 +22,8 @@ fn ticks(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     let square: f64 = off.iter().map(|off| off * off).sum();
     let along: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let scatter = (square / n).sqrt();
-    let scatters = scatter > LOGS.tick_scatter.0 * interval && scatter < LOGS.tick_scatter.1 * interval;
+    // what a torque's step is off by is a time, however far its rows are apart
+    let scatters = scatter > LOGS.known && scatter < LOGS.tick_scatter * interval;
     let known = scatter < LOGS.known * n.sqrt();
     let ticks = ticks.into_iter().map(|tick| first + tick).collect();
     (scatters && known && along.abs() < LOGS.wanders * square).then_some((ticks, scatter))
@@ -104,6 +105,23 @@ mod tests {
         let worst = here.iter().zip(&there.0).map(|(here, there)| (there - here - 1.7e9).abs());
         // doubles there are 2.4e-7 s apart
         assert!(worst.fold(0.0, f64::max) < 1e-6);
+    }
+
+    #[test]
+    fn value_times_off_by_a_third_of_a_millisecond_are_put_at_ticks_at_any_rate() {
+        for interval in [0.005, 1.0 / 30.0, 0.1] {
+            let mut random = Random::new(6);
+            let off = |size: f64, random: &mut Random| {
+                let time: Vec<f64> =
+                    (0..600).map(|row| interval * row as f64 + size * random.normal()).collect();
+                ticks(&time).map(|(_, scatter)| scatter)
+            };
+            let found = off(3.5e-4, &mut random).expect("it scatters");
+            // 600 rows tell it to 3 %
+            assert!((found / 3.5e-4 - 1.0).abs() < 0.12, "{found}");
+            // half and twice of what ticks are known to
+            assert!(off(1e-5, &mut random).is_none() && off(4e-5, &mut random).is_some());
+        }
     }
 
     #[test]

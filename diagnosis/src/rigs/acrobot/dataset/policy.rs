@@ -2,7 +2,7 @@
 
 use crate::observe::SINCE_1970;
 use crate::rigs::acrobot::policy::POLICY;
-use crate::statistics::levels::{FAR, FEW, FINE, HALF, MORE, PART, ROWS, SAMPLE, SEVERAL, SLIGHT, SMALL};
+use crate::statistics::levels::{FAR, FEW, FINE, HALF, MORE, PART, ROWS, SAMPLE, SEVERAL, SMALL};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +52,7 @@ pub struct Logs {
     pub below: f64,
     /// Fewest rows that show a clock.
     pub even_rows: usize,
-    /// How well ticks must be known, s: a plant's log tells its clock to some 20 µs, and a line through few timestamps would be off by more.
+    /// How well ticks must be known, and by how much timestamps must scatter about them to be worth a test, s: a plant's log tells its clock to some 20 µs, and a line through few timestamps would be off by more.
     pub known: f64,
     /// Correlation of the scatter from row to row beyond which the clock itself wanders, or rows were lost.
     pub wanders: f64,
@@ -77,8 +77,8 @@ pub struct Logs {
     pub clearly: f64,
     /// Most times that a clock was set in a run.
     pub few: usize,
-    /// Scatter about the ticks from which it is worth a test, and beyond which there are no ticks, both as shares of the interval.
-    pub tick_scatter: (f64, f64),
+    /// Scatter about the ticks beyond which there are none, as a share of the interval.
+    pub tick_scatter: f64,
     /// Rows of a plant log further apart than this (s) don't tell the motion in between: a machine whose unstable pole is at 7 1/s goes where no
     /// cubic does.
     pub torn: f64,
@@ -138,7 +138,7 @@ pub const LOGS: Logs = Logs {
     agrees: PART,
     clearly: SEVERAL,
     few: FEW,
-    tick_scatter: (SLIGHT, PART),
+    tick_scatter: PART,
     torn: FAR * POLICY.motion_step,
     late: (-0.05, 1.0),
     pause: 1.0,

@@ -19,6 +19,7 @@ fn cell(random: &mut Random, rows: usize) -> Cell {
         floor: Vec::new(),
         state: Vec::new(),
         lattice: Vec::new(),
+        drawn: Vec::new(),
     }
 }
 

@@ -44,6 +44,17 @@ pub struct Cell {
     /// Where on the pixel lattice each row was rendered: rows of a signal at one place share a renderer's error there. Empty
     /// where nothing is rendered.
     pub lattice: Vec<usize>,
+    /// Where each row was rendered, as the model has it. Empty where nothing is rendered.
+    pub drawn: Vec<Drawn>,
+}
+
+/// Where the model renders what a row measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// Its circle, from the image centre: right and up, px.
+    pub place: [f64; 2],
+    /// Change of the row with time, of its unit a second.
+    pub rate: f64,
 }
 
 impl Cell {

@@ -149,6 +149,7 @@ mod tests {
                 floor: Vec::new(),
                 state: vec![q1, q2, dq1, dq2],
                 lattice: Vec::new(),
+                drawn: Vec::new(),
             };
             blocks.push(Block { run: 0, from: time, to: time, cells: vec![cell], state: [0.0; 4] });
         }

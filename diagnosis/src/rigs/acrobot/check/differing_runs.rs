@@ -122,6 +122,7 @@ mod tests {
                 floor: Vec::new(),
                 state: vec![0.0; 4],
                 lattice: Vec::new(),
+                drawn: Vec::new(),
             };
             Block { run, from: time, to: time + 0.5, cells: vec![cell], state: [0.0; 4] }
         });

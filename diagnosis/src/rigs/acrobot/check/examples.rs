@@ -2,10 +2,10 @@
 
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
 use crate::rigs::acrobot::channels::Measures;
-use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS};
+use crate::rigs::acrobot::residual::studio::{AREAS, COLUMNS, circle_of};
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal};
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::linear::Cell;
+use crate::statistics::linear::{Cell, Drawn};
 use crate::statistics::random::Random;
 use nalgebra::DMatrix;
 
@@ -44,6 +44,24 @@ fn turned(signal: usize, [_, q2, ..]: [f64; 4]) -> f64 {
     arm.get(signal).map_or(0.0, |arm| arm * along)
 }
 
+/// Where a signal's circle is from the image centre, px: the drum's rolls, the joint and the tip hang on.
+pub(super) fn place(signal: usize, [q1, q2, ..]: [f64; 4]) -> [f64; 2] {
+    let circle = circle_of(signal);
+    let joint = if circle > 0 { 160.0 } else { 0.0 };
+    let tip = if circle > 1 { 160.0 } else { 0.0 };
+    [
+        10.0 * q1 + joint * libm::sin(q1) + tip * libm::sin(q2),
+        joint * libm::cos(q1) + tip * libm::cos(q2) - 180.0,
+    ]
+}
+
+/// How fast a signal of a circle's place changes, px a second.
+pub(super) fn rate(signal: usize, state: [f64; 4]) -> f64 {
+    let [q1, q2, dq1, dq2] = state;
+    let after = [q1 + 1e-6 * dq1, q2 + 1e-6 * dq2, dq1, dq2];
+    (place(signal, after)[signal % 2] - place(signal, state)[signal % 2]) / 1e-6
+}
+
 /// 900 frames in which a model leaves so much of each signal, beside noise.
 pub(super) fn frames(left: impl Fn(&Moment, usize) -> f64) -> Evaluation {
     let (mut random, mut blocks) = (Random::new(5), Vec::<Block>::new());
@@ -71,6 +89,10 @@ pub(super) fn frames(left: impl Fn(&Moment, usize) -> f64) -> Evaluation {
             floor: Vec::new(),
             state: moment.state.to_vec(),
             lattice: Vec::new(),
+            drawn: rows
+                .clone()
+                .map(|s| Drawn { place: place(s, moment.state), rate: rate(s, moment.state) })
+                .collect(),
         };
         match blocks.last_mut() {
             Some(block) if time - block.from < 1.0 => {

@@ -1,16 +1,14 @@
 //! What a residual of images looks like: single frames that show another moment, a value that swings, angles of the log that are off, or
 //! a simple law of place, motion or time.
 
+use super::image_laws::{ImageLaw, law_of_image, law_of_pose};
 use super::policy::CHECK;
-use super::torque_shape::Form;
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::residual::Signal;
-use crate::rigs::acrobot::residual::studio::ANGLES;
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::{HALF, PART, ROUNDING, SMALL};
 use crate::statistics::linear::{Cell, Reduced, reduce};
-use nalgebra::DVector;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -39,8 +37,9 @@ pub(super) fn image_shape(
     }
     // of what noise doesn't leave
     let loud = 1.0 - quiet(at, worst, noise[worst]);
-    let law = law_of_image(at, worst).map(|(share, form)| ((share / loud).min(1.0), form));
-    let share = law.map_or(0.0, |(share, _)| share);
+    let of_loud = |law: ImageLaw| ImageLaw { share: (law.share / loud).min(1.0), ..law };
+    let law = law_of_image(at, worst).map(of_loud);
+    let share = law.as_ref().map_or(0.0, |law| law.share);
     if let Some((link, angle)) = angle_of_log(at).filter(|(_, angle)| *angle > share.max(HALF)) {
         let name = ["q1", "q2"][link];
         let text = format!(
@@ -57,9 +56,10 @@ pub(super) fn image_shape(
         );
         return shape(own, &["time"], text);
     }
-    match law.filter(|(share, _)| *share > SMALL) {
-        Some((share, (variables, form))) => {
-            shape(own, variables, format!("{form} ({:.0} % of it)", 100.0 * share))
+    let pose = law_of_pose(at, worst).map(of_loud).filter(|pose| pose.share > share + SMALL);
+    match pose.or(law).filter(|law| law.share > SMALL) {
+        Some(ImageLaw { share, depends_on, words }) => {
+            (own.to_owned(), depends_on, format!("{words} ({:.0} % of it)", 100.0 * share))
         }
         _ => shape(own, &[], "no simple law of place, motion or time".into()),
     }
@@ -71,46 +71,6 @@ const ANGLES_OF_LOG: [&str; 2] = ["plant.q1", "plant.q2"];
 /// Whether what has no name is in the angles of the log.
 pub fn is_of_angles(left: &Unknown) -> bool {
     ANGLES_OF_LOG.contains(&left.signal.as_str())
-}
-
-/// Simple laws of a residual of the image.
-const LAWS: [Form; 8] = [
-    (&[], "constant: this circle sits elsewhere than the model has it"),
-    (&["u"], "linear in u"),
-    (&["v"], "linear in v"),
-    (&["u", "v"], "with the square of the distance from the centre"),
-    (&["dq2"], "with the motion: a matter of time, the same all along"),
-    (&["dq2", "v"], "with motion times height in the image: rows exposed one after the other"),
-    (&["dq2", "time"], "with motion times time: clocks that drift apart"),
-    (&["time"], "drifting with time"),
-];
-
-/// The law that takes most of a signal's residual away, and the share of it.
-pub(super) fn law_of_image(at: &Evaluation, signal: usize) -> Option<(f64, Form)> {
-    let mut rows: Vec<(f64, [f64; LAWS.len()])> = Vec::new();
-    for block in &at.blocks {
-        for cell in &block.cells {
-            let Some(row) = cell.signal.iter().position(|s| *s == signal) else { continue };
-            let [q1, q2, dq1, dq2] = block.state;
-            let (u, v) =
-                (libm::sin(q1) * 0.6 + libm::sin(q2) * 0.7, libm::cos(q1) * 0.6 + libm::cos(q2) * 0.7 - 0.7);
-            let speed = match signal {
-                _ if signal < 4 || signal == ANGLES.start => dq1,
-                _ if signal == ANGLES.start + 1 => dq2,
-                _ => dq1 + dq2,
-            };
-            let time = cell.time[row];
-            rows.push((cell.residual[row], [1.0, u, v, u * u + v * v, speed, speed * v, speed * time, time]));
-        }
-    }
-    let total: f64 = rows.iter().map(|(y, _)| y * y).sum();
-    let share = |law: usize| {
-        let design = DVector::from_iterator(rows.len(), rows.iter().map(|(_, x)| x[law]));
-        let residual = DVector::from_iterator(rows.len(), rows.iter().map(|(y, _)| *y));
-        let xx = design.dot(&design);
-        if xx > 0.0 && total > 0.0 { design.dot(&residual).powi(2) / xx / total } else { 0.0 }
-    };
-    (0..LAWS.len()).map(|law| (share(law), LAWS[law])).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The share of a signal's squares that noise leaves.

@@ -8,12 +8,14 @@ mod confounded;
 mod differing_runs;
 #[cfg(test)]
 mod examples;
+mod image_laws;
 mod image_shape;
 mod law_of_place;
 mod policy;
 mod residual;
 mod shared_scatter;
 mod torque_shape;
+mod unlisted_lens;
 mod widened_gap;
 
 use crate::diagnosis::{Gap, Unknown};
@@ -68,8 +70,14 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Doubts of the model with its effects.
-const OF_THE_MODEL: [Doubt; 5] =
-    [circle_beside::doubt, residual::doubt, confounded::doubt, law_of_place::doubt, changing_value::doubt];
+const OF_THE_MODEL: [Doubt; 6] = [
+    circle_beside::doubt,
+    residual::doubt,
+    unlisted_lens::doubt,
+    confounded::doubt,
+    law_of_place::doubt,
+    changing_value::doubt,
+];
 /// Doubts of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: [Doubt; 4] =
     [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt, shared_scatter::doubt];

@@ -1,6 +1,7 @@
 //! What a residual looks like: the simple law of state, place or time that takes most of it away. Torques stand here, images in `image_shape`.
 
-use super::image_shape::{image_shape, law_of_image};
+use super::image_laws::law_of_image;
+use super::image_shape::image_shape;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::gap::measures;
 use crate::rigs::acrobot::residual::Signal;
@@ -175,7 +176,7 @@ pub(super) fn common(study: &Study, at: &Evaluation, torque: bool) -> f64 {
         let law = best.map_or(0.0, |(share, link, _)| share * squares[link] / all);
         return event.map_or(law, |held| held.share.max(law));
     }
-    law_of_image(at, widest(at)).map_or(0.0, |(share, _)| share)
+    law_of_image(at, widest(at)).map_or(0.0, |law| law.share)
 }
 
 /// Where and how the nominal model misses the data.

@@ -114,6 +114,7 @@ mod tests {
             floor: Vec::new(),
             state: Vec::new(),
             lattice: Vec::new(),
+            drawn: Vec::new(),
         };
         vec![Block { run: 0, from: 0.0, to: 400.0, cells: vec![cell], state: [0.0; 4] }]
     }

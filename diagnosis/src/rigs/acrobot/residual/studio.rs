@@ -30,6 +30,15 @@ pub const AREAS: Range<usize> = places(&CHANNELS, Measures::Area);
 /// Places of the angles that a vision read among them.
 pub const ANGLES: Range<usize> = places(&CHANNELS, Measures::VisionAngle);
 
+/// The circle of a signal: of an angle, its link's end.
+pub fn circle_of(signal: usize) -> usize {
+    match signal {
+        _ if CENTROIDS.contains(&signal) => signal / 2,
+        _ if AREAS.contains(&signal) => signal - AREAS.start,
+        _ => 1 + signal - ANGLES.start,
+    }
+}
+
 /// A frame to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shot {

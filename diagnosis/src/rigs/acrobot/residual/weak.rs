@@ -212,6 +212,7 @@ impl Weak {
             floor: stretch.floor().to_vec(),
             state: Vec::new(),
             lattice: Vec::new(),
+            drawn: Vec::new(),
         }
     }
 

@@ -62,6 +62,7 @@ pub(super) fn block(residual: f64, sigma: f64) -> Block {
         floor: Vec::new(),
         state: Vec::new(),
         lattice: Vec::new(),
+        drawn: Vec::new(),
     };
     Block { run: 0, from: 0.0, to: 1.0, cells: vec![cell], state: [0.0; 4] }
 }

@@ -119,6 +119,7 @@ mod tests {
             floor: Vec::new(),
             state: Vec::new(),
             lattice: vec![place; AREAS.end],
+            drawn: Vec::new(),
         };
         let block = Block { run: 0, from: 0.0, to: 4.0, cells: (0..4).map(cell).collect(), state: [0.0; 4] };
         let perturbations = [0, 1].map(|candidate| Perturbation { candidate, by: 0.01 });

@@ -58,6 +58,7 @@ mod tests {
             floor: Vec::new(),
             state: Vec::new(),
             lattice: Vec::new(),
+            drawn: Vec::new(),
         };
         let mut blocks = [Block { run: 0, from: 0.0, to: 0.0, cells: vec![cell], state: [0.0; 4] }];
         level(&mut blocks);

@@ -4,7 +4,7 @@
 use super::Frame;
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::studio::{ANGLES, AREAS, CENTROIDS, COLUMNS, Seen, Shot};
+use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS, COLUMNS, Seen, Shot, circle_of};
 use std::f64::consts::{PI, TAU};
 
 /// Coordinates of circles 2 and 3: where circle 1 is then, the angles say.
@@ -51,14 +51,9 @@ pub(super) fn residual(signal: usize, seen: &Seen, made: &Seen) -> f64 {
     if ANGLES.contains(&signal) { (residual + PI).rem_euclid(TAU) - PI } else { residual }
 }
 
-/// Which cell of a pixel the circle of a signal sits in, where it was found or, not measured, where it is made. Of an angle, its
-/// link's end.
+/// Which cell of a pixel the circle of a signal sits in, where it was found or, not measured, where it is made.
 pub(super) fn lattice(seen: &Seen, made: &Seen, signal: usize) -> usize {
-    let circle = match signal {
-        _ if CENTROIDS.contains(&signal) => signal / 2,
-        _ if AREAS.contains(&signal) => signal - AREAS.start,
-        _ => 1 + signal - ANGLES.start,
-    };
+    let circle = circle_of(signal);
     let cell = |place: usize| {
         let at = if seen[place].is_finite() { seen[place] } else { made[place] };
         ((at - at.floor()) * IMAGES.lattice as f64) as usize

@@ -4,9 +4,9 @@ use super::area_level::level;
 use super::{Column, Frame, ImageCut, Pose, frames};
 use crate::error::Error;
 use crate::rigs::acrobot::residual::image::policy::IMAGES;
-use crate::rigs::acrobot::residual::studio::{COLUMNS, Seen};
+use crate::rigs::acrobot::residual::studio::{COLUMNS, Seen, circle_of};
 use crate::rigs::acrobot::residual::{Block, Cut, Perturbation};
-use crate::statistics::linear::Cell;
+use crate::statistics::linear::{Cell, Drawn};
 use nalgebra::DMatrix;
 
 impl ImageCut {
@@ -98,6 +98,7 @@ impl ImageCut {
         columns: &[Option<Column>],
     ) -> Cell {
         let frame = &self.frames[index];
+        let [.., dq1, dq2] = frame.shot.end;
         let rows: Vec<usize> = (0..COLUMNS.len()).filter(|s| frame.seen[*s].is_finite()).collect();
         let pose = DMatrix::from_fn(rows.len(), 2, |r, c| if c == 0 { one[rows[r]] } else { two[rows[r]] });
         let mut matrix = DMatrix::zeros(rows.len(), perturbations.len());
@@ -125,7 +126,14 @@ impl ImageCut {
             floor: Vec::new(),
             state: frame.shot.end.to_vec(),
             lattice: rows.iter().map(|s| frames::lattice(&frame.seen, here, *s)).collect(),
+            drawn: rows.iter().map(|s| drawn(here, *s, one[*s] * dq1 + two[*s] * dq2)).collect(),
             signal: rows,
         }
     }
+}
+
+/// Where a signal's circle was rendered, and how fast the signal changes.
+fn drawn(here: &Seen, signal: usize, rate: f64) -> Drawn {
+    let circle = circle_of(signal);
+    Drawn { place: [here[2 * circle], here[2 * circle + 1]], rate }
 }

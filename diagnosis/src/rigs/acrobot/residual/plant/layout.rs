@@ -83,6 +83,7 @@ impl Layout {
             floor: Vec::new(),
             state: Vec::new(),
             lattice: Vec::new(),
+            drawn: Vec::new(),
         };
         let Some(log) = cut.runs[window.run].plant.as_ref() else { return cell };
         for ((signal, rows), repeats) in self.bins.iter().zip(&self.repeats) {

@@ -1,0 +1,180 @@
+//! A lens that has a law of place which no candidate gives: each such law is held against what the model with its effects leaves of the
+//! circles, beside these effects. Several effects may imitate one, each of them sure, and leave less of it than a gap shows.
+
+use super::torque_shape::nearest;
+use super::{Found, Judgement};
+use crate::diagnosis::Unknown;
+use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
+use crate::rigs::acrobot::residual::studio::{CENTROIDS, circle_of};
+use crate::rigs::acrobot::residual::{Perturbation, Signal};
+use crate::rigs::acrobot::selection::Evaluation;
+use crate::statistics::levels::{CERTAIN, ROUNDING};
+use crate::statistics::linear::{Cell, solve, submatrix, subvector};
+use nalgebra::DVector;
+use std::ops::Range;
+
+/// How far a law moves a circle at a place (u, v), px from the image centre: along u and v.
+type Law = (&'static str, fn(place: [f64; 2]) -> [f64; 2]);
+
+/// Square of the distance from the centre.
+fn squared([u, v]: [f64; 2]) -> f64 {
+    u * u + v * v
+}
+
+/// Laws that lenses and sensors have. The first one is a candidate's, unless that is withheld.
+const LAWS: [Law; 7] = [
+    ("along the radius, with the fifth power of the distance from the centre", |at| {
+        at.map(|x| x * squared(at).powi(2))
+    }),
+    ("along the radius, with the seventh power of the distance from the centre", |at| {
+        at.map(|x| x * squared(at).powi(3))
+    }),
+    ("along u, with the fourth power of the distance from the centre", |at| [squared(at).powi(2), 0.0]),
+    ("along v, with the fourth power of the distance from the centre", |at| [0.0, squared(at).powi(2)]),
+    ("as pixels do that are wider than high", |[u, v]| [u, -v]),
+    ("as rows do that are not at right angles to columns", |[u, v]| [v, u]),
+    ("about the centre, by an angle that grows with the square of the distance", |at| {
+        let [u, v] = at;
+        [-v * squared(at), u * squared(at)]
+    }),
+];
+
+/// Such a law, where nothing else has no name.
+pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
+    if so_far.is_some() || found.torque {
+        return Judgement::Keep;
+    }
+    let laws = open(found.list);
+    let Some((words, deviations)) = unlisted(&found.study.last, &found.study.active, found.signals, laws)
+    else {
+        return Judgement::Keep;
+    };
+    let unknown = Unknown {
+        signal: found.signals[CENTROIDS.start].name.clone(),
+        depends_on: vec!["u".into(), "v".into()],
+        shape: format!("circles are moved {words} ({:.1} standard deviations)", deviations.abs()),
+        nearest: nearest(found.study, found.list),
+        ..Unknown::default()
+    };
+    Judgement::Unknown(unknown)
+}
+
+/// Whether all that is on are laws of place by themselves, so that what imitates them is asked for here.
+pub(super) fn are_laws_of_place(active: &[usize], list: &[Candidate]) -> bool {
+    active
+        .iter()
+        .map(|index| &list[*index])
+        .all(|own| own.side == Side::Camera && !own.nonlinear && matches!(own.motion, Motion::Real { .. }))
+}
+
+/// The laws that no candidate gives: a series of radial terms begins with the third power, so that two reach the fifth.
+fn open(list: &[Candidate]) -> Range<usize> {
+    let terms = list.iter().filter(|own| own.is(Attribute::RadialSeries)).count();
+    usize::from(terms > 1)..LAWS.len()
+}
+
+/// The law, of these, that the data tell most surely beside the active effects, and by how many standard deviations; nothing where all are
+/// within what noise and renderers leave.
+fn unlisted(
+    at: &Evaluation,
+    active: &[usize],
+    signals: &[Signal],
+    laws: Range<usize>,
+) -> Option<(&'static str, f64)> {
+    let beside = with_laws(at);
+    let (gram, score) = (&beside.total.gram, &beside.total.score);
+    let (own, listed) = (at.places(active), at.perturbations.len());
+    let inner = submatrix(gram, &own);
+    let off = beside.systematic_beside(active, signals);
+    let sure = |law: usize| {
+        let column = listed + law;
+        let across = DVector::from_fn(own.len(), |i, _| gram[(own[i], column)]);
+        let weights = if own.is_empty() { DVector::zeros(0) } else { solve(&inner, &across)? };
+        let length = gram[(column, column)] - weights.dot(&across);
+        let value = (score[column] - weights.dot(&subvector(score, &own))) / length;
+        let told = length > ROUNDING * gram[(column, column)];
+        told.then(|| (LAWS[law].0, value / (1.0 / length + off[column] * off[column]).sqrt()))
+    };
+    let best = laws.filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    best.filter(|(_, deviations)| deviations.abs() > CERTAIN)
+}
+
+/// The same evaluation with a column more for each law.
+fn with_laws(at: &Evaluation) -> Evaluation {
+    let mut beside = at.clone();
+    for cell in beside.blocks.iter_mut().flat_map(|block| &mut block.cells) {
+        let listed = cell.columns.ncols();
+        let mut columns = cell.columns.clone().resize_horizontally(listed + LAWS.len(), 0.0);
+        for row in 0..cell.residual.len() {
+            for (law, moved) in moves(cell, row).into_iter().enumerate() {
+                columns[(row, listed + law)] = moved;
+            }
+        }
+        cell.columns = columns;
+    }
+    // no candidate's
+    beside
+        .perturbations
+        .extend((0..LAWS.len()).map(|law| Perturbation { candidate: usize::MAX - law, by: 1.0 }));
+    beside.with(&at.sigmas)
+}
+
+/// By how much each law moves what a row measures; nothing where that is no circle's place.
+fn moves(cell: &Cell, row: usize) -> [f64; LAWS.len()] {
+    let signal = cell.signal[row];
+    match cell.drawn.get(row) {
+        Some(drawn) if CENTROIDS.contains(&signal) => {
+            let axis = signal - CENTROIDS.start - 2 * circle_of(signal);
+            LAWS.map(|(_, law)| law(drawn.place)[axis])
+        }
+        _ => [0.0; LAWS.len()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::{candidates, frames, place, signals};
+    use super::*;
+
+    /// What is told where a model leaves so much of each law.
+    fn told(sizes: [f64; LAWS.len()]) -> Option<(&'static str, f64)> {
+        let at = frames(|moment, signal| {
+            if !CENTROIDS.contains(&signal) {
+                return 0.0;
+            }
+            let at = place(signal, moment.state);
+            LAWS.iter().zip(sizes).map(|((_, law), size)| size * law(at)[signal % 2]).sum()
+        });
+        unlisted(&at, &[0], &signals(), 0..LAWS.len())
+    }
+
+    #[test]
+    fn value_each_law_is_told_by_its_words() {
+        // a tenth of a pixel at 200 px from the centre
+        let powers = [5, 7, 4, 4, 1, 1, 3];
+        for (law, power) in powers.into_iter().enumerate() {
+            let mut sizes = [0.0; LAWS.len()];
+            sizes[law] = 0.1 / 200_f64.powi(power);
+            let (words, deviations) = told(sizes).expect("900 frames of 0.025 px");
+            assert_eq!(words, LAWS[law].0);
+            assert!(deviations > 10.0, "{deviations}");
+        }
+        assert_eq!(told([0.0; LAWS.len()]), None);
+    }
+
+    #[test]
+    fn law_a_term_of_the_series_that_is_a_candidate_is_no_unlisted_law() {
+        let [shift, delay] = candidates();
+        let term = Candidate { attributes: &[Attribute::RadialSeries], ..shift.clone() };
+        assert_eq!(open(&[shift.clone(), term.clone(), delay]), 0..LAWS.len());
+        assert_eq!(open(&[shift, term.clone(), term]), 1..LAWS.len());
+    }
+
+    #[test]
+    fn every_effect_of_a_lens_is_a_law_of_place() {
+        let list = candidates();
+        assert!(are_laws_of_place(&[0], &list));
+        let of_plant = [Candidate { side: Side::Plant, ..list[0].clone() }];
+        assert!(!are_laws_of_place(&[0], &of_plant));
+    }
+}

@@ -68,11 +68,11 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Doubts of the model with its effects.
-const OF_THE_MODEL: [Doubt; 5] =
-    [circle_beside::doubt, residual::doubt, confounded::doubt, law_of_place::doubt, changing_value::doubt];
+const OF_THE_MODEL: &[Doubt] =
+    &[circle_beside::doubt, residual::doubt, confounded::doubt, law_of_place::doubt, changing_value::doubt];
 /// Doubts of the logs, and of the effects on runs that were left out.
-const OF_THE_LOGS: [Doubt; 4] =
-    [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt, shared_scatter::doubt];
+const OF_THE_LOGS: &[Doubt] =
+    &[clock_drift::doubt, differing_runs::doubt, widened_gap::doubt, shared_scatter::doubt];
 
 /// What all doubts leave.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -103,9 +103,9 @@ impl Judged {
 /// Asks all doubts in their order.
 pub fn judged(found: &Found<'_>) -> Judged {
     let mut judged = Judged::default();
-    judged.ask(&OF_THE_MODEL, found);
+    judged.ask(OF_THE_MODEL, found);
     judged.model_stands = judged.unknown.is_none();
-    judged.ask(&OF_THE_LOGS, found);
+    judged.ask(OF_THE_LOGS, found);
     judged.confounded = confounded::explained(found).is_some();
     judged
 }

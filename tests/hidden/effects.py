@@ -1,4 +1,4 @@
-"""Every effect that can be hidden: names as in NOTATION.md, with off values, typical sizes and limits. Those of `BESIDE` are hidden by
+"""Every effect that can be hidden: names as in NOTATION.md, with neutral values, typical sizes and limits. Those of `BESIDE` are hidden by
 `one` alone.
 
 Unknown effects carry the prefix `unknown.`; the product has no parameter for them.

@@ -173,14 +173,20 @@ pub struct Params {
     pub called: Called,
 }
 
+/// What a study may be, with the names of the shipped ones.
+fn help_of_study() -> String {
+    let shipped: Vec<&str> = sweep::SHIPPED.iter().map(|(name, _)| *name).collect();
+    format!("A study: a file, or the name of a shipped one: {}. With --grid a scenario", shipped.join(", "))
+}
+
 /// `acroscope sweep`
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  acroscope sweep delay-and-rate\n  acroscope sweep my-study.toml --out out/mine --jobs 8\n  acroscope sweep visual-servo --grid camera.T_delay=0:0.06:0.005 --until plant.contact\n  acroscope sweep my-study.toml --partition 3/16 --out /shared/mine"
 )]
 pub struct Sweep {
-    /// A study: a file, or the name of a shipped one: delay-and-rate. With --grid a scenario.
-    #[arg(value_name = "STUDY")]
+    /// A study: a file, or the name of a shipped one. With --grid a scenario.
+    #[arg(value_name = "STUDY", help = help_of_study())]
     pub study: String,
     /// Vary a parameter from FROM to TO, both among the values; several make all combinations.
     #[arg(long, value_name = "UNIT.VARIABLE=FROM:TO:STEP|VALUE,...")]

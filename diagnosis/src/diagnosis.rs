@@ -1,7 +1,7 @@
 //! What a diagnosis says: docs/diagnosis-json.md, field by field.
 
 use crate::error::Notice;
-use crate::overlay::Channel;
+use crate::overlay::Overlaid;
 use crate::planned::Planned;
 use crate::provenance::Provenance;
 use crate::text::{brief, with_digits_of};
@@ -278,7 +278,7 @@ pub struct Diagnosis {
     pub minimum_detectable: BTreeMap<String, f64>,
     /// The gap of each cut.
     pub gaps: Vec<Gap>,
-    /// The same by cross-validation.
+    /// The same by cross-validation: of our own rig, where runs were held out.
     pub cross_validation: Vec<Gap>,
     /// What ended with what it had, since time was up.
     pub ended_early: Vec<String>,
@@ -303,7 +303,7 @@ pub struct Diagnosis {
     pub traces: Vec<Trace>,
     /// Measured, nominal and amended for the report.
     #[serde(skip)]
-    pub channels: Vec<Channel>,
+    pub channels: Vec<Overlaid>,
 }
 
 impl Diagnosis {
@@ -311,6 +311,12 @@ impl Diagnosis {
     pub fn left_out_a_part(&self) -> bool {
         let whole = |name: &String| self.provenance.runs.iter().any(|used| used.run == *name);
         !self.gap.held_out_runs.iter().all(whole)
+    }
+
+    /// Whether the search was made once more for each part that the gap is judged on. Our own rig's way does, and has a cross-validation of
+    /// the whole search beside it; the way of any unit judges the search that it made without the rows left out.
+    pub fn repeats_the_search(&self) -> bool {
+        !self.cross_validation.is_empty()
     }
 
     /// On what the gap was judged, as the terminal says it.

@@ -117,7 +117,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// Something in the data that was excluded or mended, with its place.
+/// Something in the data that was excluded or corrected, with its place.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Notice {
     /// File, relative to the data set.

@@ -70,7 +70,7 @@ pub use earlier::Earlier;
 pub use error::{Error, Finding, Notice};
 pub use import::{Clock, Import, Imported, import};
 pub use options::{Budget, Options};
-pub use overlay::Channel;
+pub use overlay::Overlaid;
 pub use provenance::{Provenance, Used};
 pub use rigs::acrobot::record::{Recorded, Recording, record, recorded};
 pub use watch::{Doing, Known, Listener, Watch};
@@ -79,7 +79,7 @@ pub use write::FILES;
 use orchestrator::UnitPath;
 use std::path::Path;
 
-/// Diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's. `tell` hears of each stage.
+/// Diagnoses a data set: `format = 1` is our own rig's, `format = 2` any unit's, and any other an error. `tell` hears of each stage.
 ///
 /// # Errors
 /// The data set or the nominal model can't be used, or a unit failed.
@@ -94,6 +94,7 @@ pub fn diagnose(
             let problem = observe::load(path, units, options.isolation.as_ref())?;
             general::diagnosed(&problem, units, options, tell)
         }
-        _ => rigs::acrobot::pipeline::diagnose(path, units, options, tell),
+        // it tells, too, what is wrong with a data set of another format or without one
+        Some(_) | None => rigs::acrobot::pipeline::diagnose(path, units, options, tell),
     }
 }

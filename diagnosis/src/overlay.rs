@@ -1,9 +1,9 @@
 //! Measured, nominal and amended laid over each other for the report: each channel of one run, and its residual over time,
 //! over its own past, over the states and the inputs.
 
-/// A measured channel of a run, with what both models give in its place.
+/// A measured channel of a run, with what both models give in its place: as the page lays them over each other.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
+pub struct Overlaid {
     /// Name of the run.
     pub run: String,
     /// Nothing was fitted to it but where its windows begin.

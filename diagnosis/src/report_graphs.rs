@@ -4,7 +4,7 @@ mod residuals;
 
 use crate::diagnosis::{Diagnosis, RunTrace, Unknown};
 use crate::error::Error;
-use crate::overlay::Channel;
+use crate::overlay::Overlaid;
 use crate::statistics::levels::SEVERAL;
 use crate::statistics::median::median;
 use report::thin::thin;
@@ -57,7 +57,7 @@ pub fn unlisted(unknown: &Unknown, page: &mut Page) -> Result<(), Error> {
 
 /// The first picture any engineer asks for.
 pub fn overlays(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
-    let shown: Vec<&Channel> =
+    let shown: Vec<&Overlaid> =
         diagnosis.channels.iter().filter(|channel| channel.drawn).take(CHANNELS).collect();
     let Some(first) = shown.first() else { return Ok(()) };
     page.heading("Measured, nominal and amended");
@@ -79,7 +79,7 @@ pub fn overlays(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     Ok(())
 }
 
-fn overlay(channel: &Channel) -> Graph {
+fn overlay(channel: &Overlaid) -> Graph {
     let title = format!("{} of {}", channel.signal, channel.run);
     let y = labelled(&channel.signal, &channel.unit);
     let graph = Graph::new(title, Axis::fitted("time in s"), Axis::fitted(y))
@@ -93,7 +93,7 @@ fn overlay(channel: &Channel) -> Graph {
 
 /// The stretches of a model's course. Where rows of the log lie between two of its points, and these are several times as far apart as
 /// usual, it has no value.
-fn parts<'a>(channel: &Channel, course: &'a [(f64, f64)]) -> Vec<&'a [(f64, f64)]> {
+fn parts<'a>(channel: &Overlaid, course: &'a [(f64, f64)]) -> Vec<&'a [(f64, f64)]> {
     let usual = median(course.windows(2).map(|pair| pair[1].0 - pair[0].0)).unwrap_or(f64::INFINITY);
     let is_one = |one: &(f64, f64), next: &(f64, f64)| {
         let rows = || channel.measured.iter().filter(|row| row.0 > one.0 && row.0 < next.0).count();
@@ -103,7 +103,7 @@ fn parts<'a>(channel: &Channel, course: &'a [(f64, f64)]) -> Vec<&'a [(f64, f64)
 }
 
 /// A model's course as it is drawn: between its stretches a point without a value, since a line across would say that it was followed.
-fn broken(channel: &Channel, course: &[(f64, f64)]) -> Vec<(f64, f64)> {
+fn broken(channel: &Overlaid, course: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut drawn: Vec<(f64, f64)> = Vec::new();
     for part in parts(channel, course) {
         let hole = drawn.last().map(|(end, _)| (0.5 * (end + part[0].0), f64::NAN));
@@ -114,7 +114,7 @@ fn broken(channel: &Channel, course: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// Whether anything was amended: two equal lines over each other look like one that is wrong.
-fn amended(channel: &Channel) -> bool {
+fn amended(channel: &Overlaid) -> bool {
     channel.amended != channel.nominal
 }
 
@@ -127,13 +127,13 @@ fn labelled(what: &str, unit: &str) -> String {
 mod tests {
     use super::{broken, overlays};
     use crate::diagnosis::Diagnosis;
-    use crate::overlay::Channel;
+    use crate::overlay::Overlaid;
 
     /// Rows each second, compared up to 9 s and from 40 s on.
     #[test]
     fn law_no_line_runs_across_rows_that_were_not_compared() {
         let row = |second: i32| (f64::from(second), 1.0);
-        let mut channel = Channel {
+        let mut channel = Overlaid {
             run: "run-01".into(),
             left_out: true,
             signal: "heater.T".into(),
@@ -148,7 +148,7 @@ mod tests {
         let drawn = broken(&channel, &channel.nominal);
         assert!(drawn.len() == 31 && drawn[10].0 == 24.5 && drawn[10].1.is_nan(), "{drawn:?}");
         assert_eq!(broken(&channel, &channel.amended), channel.amended);
-        let told = |channel: &Channel| {
+        let told = |channel: &Overlaid| {
             let mut page = report::Page::new("x");
             let channels = vec![channel.clone()];
             overlays(&Diagnosis { channels, ..Diagnosis::default() }, &mut page).expect("drawn");
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn every_channel_that_its_rig_lets_draw_is_drawn_whatever_its_name() {
         let course = vec![(0.0, 1.0), (1.0, 2.0)];
-        let channel = |signal: &str, drawn: bool| Channel {
+        let channel = |signal: &str, drawn: bool| Overlaid {
             run: "run-01".into(),
             left_out: false,
             signal: signal.into(),

@@ -102,7 +102,7 @@ fn show_gap(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
     if let Some(open) = what_stays_open(diagnosis) {
         page.text(&format!("{open}."));
     }
-    if !diagnosis.gap.held_out_runs.is_empty() && !diagnosis.cross_validation.is_empty() {
+    if !diagnosis.gap.held_out_runs.is_empty() && diagnosis.repeats_the_search() {
         page.text(
             "By cross-validation (values fitted without each run in turn, effects chosen with all of them):",
         );
@@ -188,7 +188,7 @@ fn now(diagnosis: &Diagnosis) -> Vec<String> {
     }
     if lines.is_empty() {
         lines.push(
-            "Nothing: the nominal model stands. The last table says what these data could not have shown."
+            "Nothing: the nominal model explains these data. The last table says what these data could not have shown."
                 .to_owned(),
         );
     }
@@ -331,8 +331,7 @@ fn describe_judgement(diagnosis: &Diagnosis) -> String {
             "By cross-validation over {}: values fitted without each in turn, effects chosen with all of them.",
             gap.cross_validated.join(", ")
         ),
-        // Only the rig's own way searches again for each part.
-        runs if diagnosis.cross_validation.is_empty() => format!(
+        runs if !diagnosis.repeats_the_search() => format!(
             "On rows that were left out ({}): the search was made without them, and what it named was judged there; nothing is fitted to \
              them but where each window begins. Noise alone is what the data set states, or else what was fitted, as far as neighbouring rows \
              scatter.",
@@ -351,10 +350,12 @@ fn gaps(gaps: &[Gap]) -> Table {
     let rows = gaps.iter().map(|gap| {
         let open = if gap.is_told() { "no gap" } else { "not followed" };
         let closed = gap.percent().map_or(open.to_owned(), |percent| format!("{percent:.1} %"));
-        let told = |number: String| {
-            if number == "NaN" { Cell::from("–".to_owned()) } else { Cell::Number(number) }
-        };
-        let [before, after, floor] = alike([gap.before, gap.after, gap.floor]).map(told);
+        let sizes = [gap.before, gap.after, gap.floor];
+        let told = alike(sizes);
+        let [before, after, floor] = std::array::from_fn(|place| {
+            let number = told[place].clone();
+            if sizes[place].is_nan() { Cell::from("–".to_owned()) } else { Cell::Number(number) }
+        });
         vec![gap.signal.clone().into(), gap.unit.clone().into(), before, after, floor, Cell::Number(closed)]
     });
     Table { head: head.map(str::to_owned).to_vec(), rows: rows.collect() }

@@ -74,7 +74,7 @@ fn frames_that_were_repeated_are_told_by_their_number() {
     };
     let found = changed("repeated", true, repeated);
     assert!(
-        shape(&found).contains("they show another moment than their time stamp says"),
+        shape(&found).contains("they show another moment than their timestamp says"),
         "{}",
         shape(&found)
     );

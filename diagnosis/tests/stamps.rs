@@ -52,12 +52,12 @@ fn every_log_stamped_by_another_clock_is_set_right_by_the_motion() {
         let first = set.runs[0].plant.as_ref().map_or(f64::NAN, |log| log.time[0]);
         // straight lines between rows 17 ms apart, and doubles of 1.7e9 s
         assert!((first - late).abs() < 1e-3, "{first} {late}");
-        assert!(set.pictures_apart);
+        assert!(set.frames_apart);
     }
     // a camera may be as late as that
     for late in [0.0, 0.3] {
         let set = filmed("late", &wander, &wander, late).expect("both logs are good");
-        assert!(!set.pictures_apart && set.notices.len() == 1, "{:?}", set.notices);
+        assert!(!set.frames_apart && set.notices.len() == 1, "{:?}", set.notices);
     }
 }
 
@@ -68,7 +68,7 @@ fn every_log_of_another_motion_or_one_that_repeats_itself_is_left_as_it_is() {
     assert!(set.runs[0].plant.is_none() && set.runs[0].camera.is_some());
     assert!(notice(&set.notices, "agree at no shift").message.contains("File excluded"));
     let blind = filmed("blind", &wander, &|_| [f64::NAN; 2], 1.7e9).expect("angles alone are usable");
-    assert!(blind.runs[0].plant.is_some() && !blind.pictures_apart, "{:?}", blind.notices);
+    assert!(blind.runs[0].plant.is_some() && !blind.frames_apart, "{:?}", blind.notices);
     // every 2.1 s the same: 3.5 s late, or 1.4?
     let sway = |time: f64| [0.1 * (3.0 * time).sin(), 0.4 * (6.0 * time).cos()];
     let set = filmed("again", &sway, &sway, 3.5).expect("both logs are good");

@@ -2,6 +2,8 @@
 //!
 //! Reads `results.csv` row by row, so memory doesn't grow with the run.
 
+#![forbid(unsafe_code)]
+
 mod error;
 mod mcap_file;
 mod parquet_file;

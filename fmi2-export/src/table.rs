@@ -64,7 +64,7 @@ pub struct Variable {
     pub unit: Unit,
     /// One sentence with its source.
     pub description: &'static str,
-    /// The start value is an off value, at which the effect vanishes to the last bit.
+    /// The start value is a neutral value, at which the effect vanishes to the last bit.
     pub is_effect: bool,
     /// Smallest legal value.
     pub min: Option<f64>,
@@ -164,7 +164,7 @@ value!(String, String);
 /// ```
 ///
 /// The first word is `input`, `output`, `local`, `parameter` (tunable), `fixed` (a parameter that is fixed after
-/// initialisation), `effect` (a tunable parameter whose start value is its off value) or `fixed_effect`. After
+/// initialisation), `effect` (a tunable parameter whose start value is its neutral value) or `fixed_effect`. After
 /// the sentence may follow `min = …`, `max = …` and `derivative_of = "…"`. Any other first word does not compile:
 ///
 /// ```compile_fail

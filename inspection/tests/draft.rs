@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{DESCRIPTION, Units};
+use common::{DESCRIPTION, OURS, Units};
 use inspection::draft::draft;
 use orchestrator::{MemoryRecorder, Quiet, Scenario, Simulation, UnitPath};
 use std::path::{Path, PathBuf};
@@ -47,9 +47,7 @@ fn law_our_own_loop_is_found_and_runs() {
 fn law_each_of_our_units_runs_alone() {
     let units = Units::new();
     let path = units.path().join("alone.toml");
-    for name in
-        ["acrobot_plant", "acrobot_camera", "acrobot_controller", "acrobot_residual", "signal_effects"]
-    {
+    for name in OURS {
         let text = draft(&ours(&[name]), &path).expect("drafts");
         assert!(!run(&path, &text, "0.05").times().is_empty(), "{name}");
     }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{DESCRIPTION, Units, check, faulty, short};
+use common::{DESCRIPTION, OURS, Units, check, faulty, short};
 use inspection::Limits;
 use inspection::Severity::{self, Error, Warning};
 use std::path::Path;
@@ -158,9 +158,7 @@ fn law_an_unknown_rule_gets_a_suggestion() {
 #[test]
 fn every_unit_of_ours_is_clean_of_errors() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus");
-    for name in
-        ["acrobot_plant", "acrobot_camera", "acrobot_controller", "acrobot_residual", "signal_effects"]
-    {
+    for name in OURS {
         let findings = check(&folder.join(format!("{name}.fmu")));
         let worse: Vec<_> = findings.iter().filter(|finding| finding.severity != Severity::Note).collect();
         assert!(worse.is_empty(), "{name}: {worse:#?}");

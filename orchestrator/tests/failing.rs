@@ -176,19 +176,19 @@ fn every_call_that_no_run_makes_reaches_the_unit() {
     ];
     units.pack("stateful.fmu", &common::description(common::STATEFUL), &common::library_with(&frees));
     let fmu = orchestrator::fmu::Fmu::open(units.path().join("stateful.fmu")).expect("opens");
-    let log = |instance: &mut orchestrator::fmu::Instance| {
-        instance.take_log().into_iter().map(|line| line.text).collect::<Vec<_>>()
+    let log = |instance: &orchestrator::fmu::Instance, from: usize| {
+        instance.log().into_iter().skip(from).map(|line| line.text).collect::<Vec<_>>()
     };
-    let mut first = fmu.instantiate("a").expect("instantiates");
+    let first = fmu.instantiate("a").expect("instantiates");
     // What it is to log is said once it was made.
-    assert_eq!(log(&mut first), ["0", "1 logStatusError"]);
+    assert_eq!(log(&first, 0), ["0", "1 logStatusError"]);
     fmu.free_nothing().expect("loaded");
     let mut second = fmu.instantiate("b").expect("instantiates");
-    assert_eq!(log(&mut second), ["1", "1 logStatusError"]);
+    assert_eq!(log(&second, 0), ["1", "1 logStatusError"]);
     second.set_debug_logging(false, &["logEvents".into()]).expect("one is no error");
-    assert_eq!(log(&mut second), ["0 logEvents"]);
+    assert_eq!(log(&second, 2), ["0 logEvents"]);
     let error = second.set_debug_logging(true, &["a".into(), "b\0c".into()]).expect_err("two are");
-    assert_eq!(log(&mut second), ["1 a", "1 bc"]);
+    assert_eq!(log(&second, 3), ["1 a", "1 bc"]);
     assert!(error.to_string().contains("fmi2SetDebugLogging"), "{error}");
     second.free_no_state().expect("no state");
 }

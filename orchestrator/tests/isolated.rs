@@ -282,7 +282,7 @@ fn law_a_unit_elsewhere_is_asked_for_errors_and_warnings_only() {
     let path =
         units.pack("tells.fmu", &common::description(common::STATEFUL), &common::library_with(&[tells]));
     let fmu = orchestrator::Fmu::open(path).expect("opens").isolated(Isolation::default());
-    let log = fmu.instantiate("a").expect("instantiates").take_log();
+    let log = fmu.instantiate("a").expect("instantiates").log();
     let log: Vec<String> = log.iter().map(ToString::to_string).collect();
     assert_eq!(log, ["[warning, events] 1: 1 logStatusError"]);
 }

@@ -1,6 +1,8 @@
 //! Large systems: what it takes to open them grows as they do, and no faster. Bytes are counted, which are the same on
 //! every machine; instructions are in `benches/instructions.txt`.
 
+#![allow(unsafe_code)] // an allocator that counts
+
 use crate::common::{Units, library};
 use orchestrator::{Fmu, NoRecorder, Quiet, Scenario, Simulation};
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -70,11 +70,6 @@ impl Page {
         self.push(html! { p { (inline(text)) } })
     }
 
-    /// Text as it was typed.
-    pub fn verbatim(&mut self, text: &str) -> &mut Self {
-        self.push(html! { pre { (text) } })
-    }
-
     /// A drawn graph with a caption.
     pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
         self.push(figure(svg, caption))

@@ -17,6 +17,8 @@
 //! annotations (`annotation`), which other tools pass over. What can't be expressed is an error that names file, line and
 //! element.
 
+#![forbid(unsafe_code)]
+
 mod annotation;
 mod delays;
 mod error;

@@ -18,6 +18,8 @@
 //!
 //! The same study and the same units give the same rows, whatever the number of threads and of parts.
 
+#![forbid(unsafe_code)]
+
 mod data;
 mod design;
 mod error;

@@ -44,7 +44,7 @@ def _parser():
     _where(p)
     p = sub.add_parser("one", help="one set of your choice")
     p.add_argument("--effect", action="append", default=[], help=f"{', '.join(BY_NAME)}")
-    p.add_argument("--size", action="append", default=[], help="distance from the off value (limits: the limit); `10x` = MDE")
+    p.add_argument("--size", action="append", default=[], help="distance from the neutral value (limits: the limit); `10x` = MDE")
     p.add_argument("--unknown", choices=list(UNKNOWN))
     p.add_argument("--unknown-size", type=float)
     p.add_argument("--rig", choices=list(MIXES), default="visual")

@@ -12,9 +12,9 @@ from numba import njit
 
 KEYS = ("theta_1", "theta_2", "theta_5", "theta_7", "theta_8", "theta_9", "theta_10", "velocity_terms",
         "b_roll", "b_joint", "fc_roll", "fc_joint", "I_rotor", "tau_max", "dtau_max", "T_act", "tau_delay",
-        "tau_bias", "k_tau", "slope", "theta_slope", "backlash", "stribeck", "cable", "gust", "q2_max")
+        "tau_bias", "k_tau", "slope", "theta_slope", "backlash", "stribeck", "cable", "gust", "q2_max", "incline")
 (T1, T2, T5, T7, T8, T9, T10, VEL, BR, BJ, FR, FJ, IR, TMAX, DTMAX, TACT, TDEL, BIAS, GAIN, SLOPE, THS,
- LASH, STRI, CABLE, GUST, QMAX) = range(len(KEYS))
+ LASH, STRI, CABLE, GUST, QMAX, RIG) = range(len(KEYS))
 
 STRIBECK_SPEED = 0.15  # rad/s
 CONTACT_STIFFNESS = 300.0  # N·m/rad, backlash flank
@@ -45,8 +45,9 @@ def forces(s, u, tau1, t, gust_times, p, out):
     m11 = p[T1] + p[T2] * math.cos(q1 - incline) + p[IR]
     m12 = p[T7] * math.cos(q2 - incline) + p[T8] * math.cos(q1 - q2) - p[IR]
     m22 = p[T5] + p[IR]
-    f1 = p[T9] * math.sin(q1) + p[THS] * math.sin(incline) + tau1
-    f2 = p[T10] * math.sin(q2)
+    # where the whole rig is inclined, its angles are counted from what it stands on, and the weight alone knows the vertical
+    f1 = p[T9] * math.sin(q1 + p[RIG]) + p[THS] * math.sin(incline + p[RIG]) + tau1
+    f2 = p[T10] * math.sin(q2 + p[RIG])
     if p[VEL] != 0.0:
         sd = math.sin(q1 - q2)
         f1 += 0.5 * p[T2] * math.sin(q1 - incline) * d1 * d1 - (p[T8] * sd - p[T7] * math.sin(q2 - incline)) * d2 * d2
@@ -321,4 +322,4 @@ def energy(s, p):
     m12 = p[T7] * math.cos(q2 - incline) + p[T8] * math.cos(q1 - q2) - p[IR]
     m22 = p[T5] + p[IR]
     return (0.5 * m11 * d1 * d1 + m12 * d1 * d2 + 0.5 * m22 * d2 * d2
-            + p[T9] * math.cos(q1) + p[T10] * math.cos(q2) - p[THS] * math.sin(incline) * q1)
+            + p[T9] * math.cos(q1 + p[RIG]) + p[T10] * math.cos(q2 + p[RIG]) - p[THS] * math.sin(incline + p[RIG]) * q1)

@@ -1,4 +1,5 @@
-"""Every effect that can be hidden: names as in NOTATION.md, with off values, typical sizes and limits.
+"""Every effect that can be hidden: names as in NOTATION.md, with neutral values, typical sizes and limits. Those of `BESIDE` are hidden by
+`one` alone.
 
 Unknown effects carry the prefix `unknown.`; the product has no parameter for them.
 """
@@ -79,7 +80,11 @@ LISTED = [
     Effect("camera.E_t", 0.01, 0.1, 0.5, UP),
     Effect("camera.T_delay", 0.0, 0.002, 0.02, UP),
 ]
-BY_NAME = {e.name: e for e in LISTED}
+# Effects that no part draws: a line more in LISTED would change what every seed hides, and with it the fixed slice and its gates.
+BESIDE = [
+    Effect("plant.incline", 0.0, 0.01, 0.03),
+]
+BY_NAME = {e.name: e for e in LISTED + BESIDE}
 
 # Unknown effects: option keys of the simulation with a weak and a strong size (both well above the noise).
 UNKNOWN = {
@@ -104,7 +109,7 @@ CAMERA_NOMINAL = {
 PLANT_NOMINAL = {
     **THETA, "velocity_terms": 1.0, "q2_max": 2.35, "theta_slope": 0.956,
     "b_roll": 0.0, "b_joint": 0.0, "fc_roll": 0.0, "fc_joint": 0.0, "I_rotor": 0.0,
-    "tau_max": 0.0, "dtau_max": 0.0, "T_act": 0.0, "tau_delay": 0.0, "tau_bias": 0.0, "k_tau": 1.0, "slope": 0.0,
+    "tau_max": 0.0, "dtau_max": 0.0, "T_act": 0.0, "tau_delay": 0.0, "tau_bias": 0.0, "k_tau": 1.0, "slope": 0.0, "incline": 0.0,
     "backlash": 0.0, "stribeck": 0.0, "cable": 0.0, "gust": 0.0,
 }
 POLES = (6.11, 0.84, 3.52, 0.54)

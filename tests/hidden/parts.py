@@ -64,7 +64,7 @@ def single_spec(name, multiple, setting, sign, seed, part):
 
 
 def _nuisances(spec, rng):
-    """One set in five gets a nuisance: jitter of the time stamps (pinned) or a clock offset between logs."""
+    """One set in five gets a nuisance: jitter of the timestamps (pinned) or a clock offset between logs."""
     if rng.random() < 0.2:
         if spec.setting.rig != "visual":
             spec.jitter = rng.choice((2e-4, 1e-3))

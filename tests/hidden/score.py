@@ -114,7 +114,7 @@ def measure(cases, own=None):
     pairs = [(a, d) for a, d in cases if a["verdict"] == "named" and len(a["effect"]) == 2]
     t.share("missing", [d is None for _, d in cases], "<=0", "sets without a diagnosis")
     t.share("name_3x", [right_single(a, d) for a, d in seen], ">=0.95", "right name or class, singles >= 3x MDE")
-    t.share("name_3x_jitter", [right_single(a, d) for a, d in shaky], ">=0", "  the same, jittering time stamps")
+    t.share("name_3x_jitter", [right_single(a, d) for a, d in shaky], ">=0", "  the same, jittering timestamps")
     t.share("false_alarm", [bool(named(d)) or (d or {}).get("verdict") == "unknown" for _, d in clean], "<=0.02", "any name on none sets")
     t.share("unknown_caught", [(d or {}).get("verdict") == "unknown" for _, d in strange], ">=0.8", "unknown called unknown")
     t.share("listed_unknown", [(d or {}).get("verdict") == "unknown" for _, d in singles], "<=0.05", "listed effect called unknown")

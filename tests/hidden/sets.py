@@ -24,7 +24,7 @@ class Spec:
     unknown: tuple = None
     part: str = "one"
     seed: int = 0
-    jitter: float = 0.0  # s, time stamps
+    jitter: float = 0.0  # s, timestamps
     clock_offset: float = 0.0  # s, plant log against the others (a nuisance, not an effect)
     rates: bool = False  # dq1, dq2 logged too
     note: dict = field(default_factory=dict)

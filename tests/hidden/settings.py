@@ -112,7 +112,7 @@ def off_value(effect, setting):
 
 
 def value_at(effect, setting, magnitude, sign=1.0):
-    """Parameter value for a magnitude counted from the off value (for limits: the limit itself)."""
+    """Parameter value for a magnitude counted from the neutral value (for limits: the limit itself)."""
     if effect.shape == "limit":
         return magnitude
     if effect.shape == "switch":

@@ -1,13 +1,15 @@
 """The generator's own machine and camera against conservation laws and docs/claims.md (numbers of an independent program)."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from . import camera as cam, control, dynamics as dyn, loop
-from .effects import CAMERA_NOMINAL, PLANT_NOMINAL
+from .effects import BY_NAME, CAMERA_NOMINAL, PLANT_NOMINAL
 from .settings import ARMS
 
 LAW = control.Pseudolinear(PLANT_NOMINAL)
@@ -28,11 +30,25 @@ def pinned(**changes):
     return dict(PLANT_NOMINAL, **ARMS[0], theta_2=0.0, theta_7=0.0, theta_slope=0.0, **changes)
 
 
-@pytest.mark.parametrize("plant", [PLANT_NOMINAL, pinned(), dict(PLANT_NOMINAL, I_rotor=0.01), dict(PLANT_NOMINAL, slope=0.05)])
+@pytest.mark.parametrize("plant", [PLANT_NOMINAL, pinned(), dict(PLANT_NOMINAL, I_rotor=0.01), dict(PLANT_NOMINAL, slope=0.05),
+                                   dict(PLANT_NOMINAL, slope=0.02, incline=0.05)])
 def test_law_energy_is_conserved(plant):
     _, nodes = free_run(plant, (0.3, -0.4, 0.0, 0.0), 8.0)
     e = [dyn.energy(x[:4], dyn.pack(plant)) for x in nodes]
     assert np.ptp(e) < 1e-7  # RK4 at 0.26 ms; links tumble at some 20 rad/s
+
+
+def test_law_an_inclined_rig_is_inclined_ground_seen_from_it():
+    table = 0.03
+    _, seen = free_run(dict(PLANT_NOMINAL, slope=0.01, incline=table), (0.3, -0.4, 0.0, 0.0), 1.0)
+    _, upright = free_run(dict(PLANT_NOMINAL, slope=0.01 + table), (0.3 + table, -0.4 + table, 0.0, 0.0), 1.0)
+    assert np.allclose(seen[:, :2] + table, upright[:, :2], atol=1e-9)
+
+
+def test_law_every_candidate_of_the_diagnosis_can_be_hidden():
+    text = (Path(__file__).parents[2] / "diagnosis/src/rigs/acrobot/candidates/list.rs").read_text()
+    candidates = set(re.findall(r'"((?:plant|camera)\.\w+)"', text.split("#[cfg(test)]")[0]))
+    assert candidates == set(BY_NAME)
 
 
 def test_value_motion_agrees_with_dop853():

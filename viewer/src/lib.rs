@@ -3,6 +3,8 @@
 //!
 //! [`page`] makes one self-contained HTML file of the folders that `acroscope run` wrote. What moves in the browser lies in `assets/`.
 
+#![forbid(unsafe_code)]
+
 mod frames;
 mod machine;
 mod page;

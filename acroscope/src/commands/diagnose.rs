@@ -3,7 +3,7 @@
 use crate::cli::{Called, Diagnose};
 use crate::data_set::files_of;
 use crate::error::Error;
-use diagnosis::{Budget, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
+use diagnosis::{Budget, Correction, Diagnosis, Doing, Earlier, Effect, Options, Unknown, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use report::head::shell_word;
 use runner::folder::{Folder, keep};
@@ -148,6 +148,30 @@ fn closes(percent: f64, judged_on: &str) -> String {
     format!("{share} {judged_on}")
 }
 
+fn correction(correction: &Correction) {
+    for term in &correction.terms {
+        tell!("  {} = {} {}: {}", term.name, term.short(), term.measure, term.phrase);
+    }
+    tell!(
+        "  that is {}; it takes away {:.0} % of what is left",
+        correction.label,
+        100.0 * correction.gap.closed
+    );
+}
+
+/// What a lab should do next, and the command that comes then.
+fn next_experiment(diagnosis: &Diagnosis, out: &Path) {
+    let Some(next) = &diagnosis.next_experiment else { return };
+    match next.separates.as_slice() {
+        [] => tell!("next experiment: {}", next.what),
+        names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
+    }
+    // where nothing is proposed nothing comes then
+    if diagnosis.counts_later() && (next.planned.is_some() || !next.separates.is_empty()) {
+        tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
+    }
+}
+
 /// The verdict in a few lines, and where it comes from.
 fn summary(diagnosis: &Diagnosis, out: &Path) {
     for notice in &diagnosis.notices {
@@ -168,16 +192,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     );
     diagnosis.effects.iter().for_each(effect);
     diagnosis.unknown.iter().for_each(unknown);
-    if let Some(correction) = &diagnosis.correction {
-        for term in &correction.terms {
-            tell!("  {} = {} {}: {}", term.name, term.short(), term.measure, term.phrase);
-        }
-        tell!(
-            "  that is {}; it takes away {:.0} % of what is left",
-            correction.label,
-            100.0 * correction.gap.closed
-        );
-    }
+    diagnosis.correction.iter().for_each(correction);
     let better = !diagnosis.effects.is_empty() || diagnosis.correction.is_some();
     if let Some(percent) = diagnosis.gap.percent().filter(|_| better) {
         tell!("{}", closes(percent, &diagnosis.judged_on()));
@@ -185,16 +200,7 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     if let Some(open) = diagnosis.unknown.as_ref().and_then(Unknown::left_open) {
         tell!("{open}.");
     }
-    if let Some(next) = &diagnosis.next_experiment {
-        match next.separates.as_slice() {
-            [] => tell!("next experiment: {}", next.what),
-            names => tell!("to tell {} apart: {}", names.join(" and "), next.what),
-        }
-        // where nothing is proposed nothing comes then
-        if diagnosis.counts_later() && (next.planned.is_some() || !next.separates.is_empty()) {
-            tell!("and then: acroscope diagnose NEW-DATA --after {}", out.display());
-        }
-    }
+    next_experiment(diagnosis, out);
     for (what, value) in diagnosis.provenance.lines() {
         tell!("{what}: {value}");
     }

@@ -1,5 +1,6 @@
 //! The container as a shared library: nothing but the C names of `container::abi`.
 
+#![allow(unsafe_code)] // gives functions the names of C
 #![allow(missing_docs, non_snake_case, clippy::missing_safety_doc, clippy::too_many_arguments)]
 
 #[cfg(panic = "abort")]

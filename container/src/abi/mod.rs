@@ -5,6 +5,7 @@
 //! # Safety
 //! All functions here: pointers are as `fmi2FunctionTypes.h` wants them, or null. A component came from [`instantiate`] and
 //! was not freed.
+#![allow(unsafe_code)] // is called through the C functions of FMI
 #![allow(clippy::missing_safety_doc)] // said once above
 
 pub mod states;

@@ -335,13 +335,13 @@ mod tests {
     }
 
     #[test]
-    fn value_stamps_that_are_one_row() {
-        // a thousand rows 10 ms apart, the second sensor's stamps later by so much of that
+    fn value_timestamps_that_are_one_row() {
+        // a thousand rows 10 ms apart, the second sensor's timestamps later by so much of that
         let with = |late: f64| {
-            let stamps = (0..1000).flat_map(|row| [f64::from(row), f64::from(row) + late]);
-            rows(stamps.map(|stamp| 0.01 * stamp).collect()).len()
+            let timestamps = (0..1000).flat_map(|row| [f64::from(row), f64::from(row) + late]);
+            rows(timestamps.map(|timestamp| 0.01 * timestamp).collect()).len()
         };
-        // all values are twice as near to each other as the rows: of that a thousandth, as digits of a stamp are cut off
+        // all values are twice as near to each other as the rows: of that a thousandth, as digits of a timestamp are cut off
         assert_eq!((with(0.45e-3), with(0.55e-3)), (1000, 2000));
     }
 

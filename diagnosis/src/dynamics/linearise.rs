@@ -16,7 +16,8 @@ use crate::error::Error;
 use crate::infer::Linearised;
 use crate::infer::fit::Path;
 use crate::infer::sweep::MOST_STATES;
-use crate::observe::{InputEffect, Reading};
+use crate::observe::Reading;
+use crate::ports::Kind;
 use crate::statistics::levels::TASK;
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -155,8 +156,7 @@ impl Engine {
     fn beside(&self, grid: &Grid, theta: &[f64], chords: &[Chord]) -> Vec<Option<Schedule>> {
         let within = |chord: &Chord| {
             let Role::Input(_, effect) = self.machine.parameters[chord.parameter].role else { return false };
-            let moves = matches!(effect, InputEffect::Delay | InputEffect::Lag | InputEffect::RateLimit);
-            moves && chord.per != 1.0 && self.machine.horizon == 0
+            Kind::of_input(effect).over_time && chord.per != 1.0 && self.machine.horizon == 0
         };
         let schedule = |chord: &Chord| {
             let mut there = theta.to_vec();

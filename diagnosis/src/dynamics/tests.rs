@@ -113,13 +113,13 @@ fn value_how_much_of_the_motion_starts_and_process_noise_may_be() {
         // and within a row to several times all of the motion: an equation that says nothing of it
         assert!((5.0..15.0).contains(&(most * ROW.sqrt() / scale)), "state {state}: {most}");
     }
-    // stamps that scatter by more than a third of a row change places
+    // timestamps that scatter by more than a third of a row change places
     assert!((0.25..0.35).contains(&(built.sizes.jitter / ROW)), "{}", built.sizes.jitter);
 }
 
 #[test]
 fn law_timestamps_that_are_late_are_a_delay_of_what_is_fed() {
-    let built = built(&pendulum("stamps", 40));
+    let built = built(&pendulum("timestamps", 40));
     let (engine, theta) = (&built.engine, built.engine.machine.neutral());
     let path = [std::f64::consts::PI + 0.48, std::f64::consts::PI - 0.32, 0.8, -1.2].repeat(40);
     let delay = place(&built, "tau:delay");

@@ -13,6 +13,7 @@ use crate::dynamics::machine::{Machine, Role};
 use crate::error::Error;
 use crate::infer::smooth;
 use crate::observe::{Hold, InputEffect, OutputEffect, Problem};
+use crate::ports::Kind;
 use orchestrator::fmu::Causality;
 use orchestrator::scenario::UnitEntry;
 use orchestrator::time::Rational;
@@ -196,12 +197,15 @@ fn begun(studied: &Studied) -> Vec<f64> {
 
 /// The interval at which a delay or lag at an input is followed, and `lines` are, of which a unit between two steps sees the middle.
 fn fine(problem: &Problem, interval: Rational, inputs: &AtPorts, lines: bool) -> Rational {
-    let takes_time =
-        |effects: &&AtPort| ["delay", "lag", "rate_limit"].iter().any(|name| effects.contains_key(name));
+    let takes_time = |effects: &&AtPort| {
+        let at = InputEffect::ALL.iter().filter(|effect| effects.contains_key(effect.name()));
+        at.into_iter().any(|effect| Kind::of_input(*effect).over_time)
+    };
     if !lines && inputs.values().filter(takes_time).count() == 0 {
         return interval;
     }
-    let delays: Vec<f64> = inputs.values().filter_map(|effects| effects.get("delay").copied()).collect();
+    let delays: Vec<f64> =
+        inputs.values().filter_map(|effects| effects.get(InputEffect::Delay.name()).copied()).collect();
     let parts = parts(interval.to_f64(), problem.row(), &delays);
     Rational::new(i128::from(interval.numerator()), i128::from(interval.denominator()) * i128::from(parts))
         .unwrap_or(interval)

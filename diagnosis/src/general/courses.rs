@@ -2,10 +2,10 @@
 
 use super::windows::Window;
 use crate::dynamics::Engine;
-use crate::overlay::{Channel, Dependence, at};
+use crate::overlay::{Dependence, Overlaid, at};
 
 /// The channels in this order, of the last run: before and after are the nominal and the amended model's windows.
-pub fn courses(engine: &Engine, order: &[usize], before: &[Window], after: &[Window]) -> Vec<Channel> {
+pub fn courses(engine: &Engine, order: &[usize], before: &[Window], after: &[Window]) -> Vec<Overlaid> {
     let Some(run) = after.iter().map(|window| window.run).max() else { return Vec::new() };
     let grid = &engine.grids[run];
     let of = |channel: &usize| {
@@ -17,7 +17,7 @@ pub fn courses(engine: &Engine, order: &[usize], before: &[Window], after: &[Win
             let less = |(time, residual): (f64, f64)| Some((time, at(&measured, time)? - residual));
             residuals(windows, run, *channel).into_iter().filter_map(less).collect()
         };
-        Channel {
+        Overlaid {
             run: grid.name.clone(),
             left_out: true,
             signal: output.name.clone(),

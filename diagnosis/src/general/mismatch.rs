@@ -13,7 +13,7 @@ use crate::error::{Error, Notice};
 use crate::infer::Noise;
 use crate::nuisance::Scatter;
 use crate::observe::{Problem, Run};
-use crate::overlay::Channel;
+use crate::overlay::Overlaid;
 use crate::statistics::levels::{HALF, MORE, SMALL};
 
 /// What rows say that were left out.
@@ -23,7 +23,7 @@ pub struct HeldOut {
     /// What they say of the model found. Names hang on this, and not on how the gap is told.
     pub squares: Squares,
     /// The courses of the last run of them.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<Overlaid>,
     /// Where the gap stands on a part of the rows only.
     pub notice: Option<Notice>,
 }

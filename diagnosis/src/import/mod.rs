@@ -4,7 +4,7 @@
 //! - `text.rs`: a log's encoding, comments and separators
 //! - `table.rs`: where its table begins and ends
 //! - `cells.rs`: numbers and words for what is missing
-//! - `stamps.rs`: dates and times of day
+//! - `timestamps.rs`: dates and times of day
 //! - `times.rs`: which column is the time
 //! - `sheet.rs`: its columns, with names, units and numbers
 //! - `heads.rs`: a column's name and unit
@@ -27,12 +27,12 @@ mod matching;
 mod policy;
 mod settle;
 mod sheet;
-mod stamps;
 mod starts;
 mod straight_line;
 mod table;
 mod text;
 mod times;
+mod timestamps;
 mod trial;
 mod unshown;
 mod write;

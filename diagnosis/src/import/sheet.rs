@@ -2,9 +2,9 @@
 
 use super::cells::{Marks, is_missing, is_value, is_word};
 use super::heads::{Header, header};
-use super::stamps::{READ, Stamps};
 use super::text::{Separator, Text};
 use super::times::TIME_NAMES;
+use super::timestamps::{READ, Timestamps};
 use crate::error::Error;
 use crate::observe::is_date;
 use std::path::{Path, PathBuf};
@@ -159,26 +159,26 @@ impl Sheet {
 
     /// Reads dates and times of day as seconds: a column of both, or of times of day with one of dates beside it.
     fn with_clock(&mut self, records: &[Record], kinds: &mut [Cells]) -> Result<(), Error> {
-        let mut found: Vec<(usize, Stamps)> = Vec::new();
+        let mut found: Vec<(usize, Timestamps)> = Vec::new();
         for (place, kind) in kinds.iter().enumerate() {
             let Some((line, _)) = kind.first.as_ref().filter(|_| kind.numbers == 0) else { continue };
             let cell = |(_, record): &'_ Record| {
                 record.get(place).filter(|cell| !is_missing(cell)).unwrap_or("").to_owned()
             };
             let cells: Vec<String> = records.iter().map(cell).collect();
-            let stamps = Stamps::read(&cells).map_err(|problem| {
+            let timestamps = Timestamps::read(&cells).map_err(|problem| {
                 self.wrong(*line, format!("column {:?}: {problem}", self.columns[place].text))
             })?;
-            found.extend(stamps.map(|stamps| (place, stamps)));
+            found.extend(timestamps.map(|timestamps| (place, timestamps)));
         }
-        let timed = found.iter().position(|(_, stamps)| stamps.timed).unwrap_or(0);
-        let Some((place, stamps)) = found.get(timed).cloned() else { return Ok(()) };
-        let days = found.iter().find(|(_, stamps)| !stamps.timed).filter(|_| !stamps.dated);
+        let timed = found.iter().position(|(_, timestamps)| timestamps.timed).unwrap_or(0);
+        let Some((place, timestamps)) = found.get(timed).cloned() else { return Ok(()) };
+        let days = found.iter().find(|(_, timestamps)| !timestamps.timed).filter(|_| !timestamps.dated);
         self.told.extend(days.map(|(days, _)| {
             let [time, date] = [place, *days].map(|at| &self.columns[at].text);
             format!("column {time:?}: its days are those of column {date:?}")
         }));
-        let seconds = days.map_or(stamps.clone(), |(_, days)| stamps.on(days)).seconds();
+        let seconds = days.map_or(timestamps.clone(), |(_, days)| timestamps.on(days)).seconds();
         let known = || seconds.values.iter().filter(|value| value.is_finite());
         if known().all(|value| *value <= 0.0) {
             return Ok(());

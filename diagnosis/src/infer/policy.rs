@@ -19,7 +19,7 @@ pub(super) struct Infer {
     pub rounds: usize,
     /// A channel's noise is at most so much more than its least.
     pub widest: f64,
-    /// Stretches of all runs together: enough to know a deviation to a sixth, each long against what an input remembers.
+    /// Stretches of all runs together: enough to know a deviation to an eighth, each long against what an input remembers.
     pub stretches: usize,
 }
 

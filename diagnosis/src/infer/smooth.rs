@@ -5,7 +5,7 @@
 
 use super::linearised::Linearised;
 use super::noise::Noise;
-use super::sweep::{Interval, Kept, dimension, direction, sized, sweep_kept};
+use super::sweep::{Interval, dimension, direction, sized, sweep_kept};
 
 /// What is most likely, given all values of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +16,6 @@ pub struct Smoothed {
     pub disturbance: Vec<f64>,
     /// Process noise of each equation held over each interval, n an interval, unit of the state per s.
     pub process: Vec<f64>,
-    /// Normalised innovations, one a value; NaN for an outlier.
-    pub innovations: Vec<f64>,
 }
 
 /// Smooths a run.
@@ -33,7 +31,6 @@ fn backward<const N: usize>(run: &Linearised, noise: &Noise) -> Smoothed {
         state: vec![0.0; rows * n],
         disturbance: if noise.disturbance.is_some() { vec![0.0; rows] } else { Vec::new() },
         process: vec![0.0; intervals * n],
-        innovations: normalised(&kept),
     };
     let mut adjoint = [0.0; N];
     for row in (0..rows).rev() {
@@ -83,9 +80,4 @@ fn processed<const N: usize>(
         let along: f64 = (0..run.states).map(|i| direction(run, row, equation, i) * adjoint[i]).sum();
         *into = -q * q / dt * along;
     }
-}
-
-fn normalised(kept: &Kept) -> Vec<f64> {
-    let normal = |(e, s): (&f64, &f64)| if s.is_finite() { e / s.sqrt() } else { f64::NAN };
-    kept.innovation.iter().zip(&kept.variance).map(normal).collect()
 }

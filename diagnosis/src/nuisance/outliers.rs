@@ -6,6 +6,7 @@
 
 use super::policy::NUISANCE;
 use crate::statistics::levels::MIDDLE;
+use crate::statistics::median::median;
 
 /// Places of the outliers in one run of a channel. `scale` is [`scale`] of the channel; `driven` says whether an input moved
 /// between two times, `NUISANCE.rings` rows before included.
@@ -45,10 +46,8 @@ fn stands_alone(stretch: &[f64], scale: f64) -> bool {
 /// is the standard deviation of normal values.
 pub fn scale(runs: &[&[f64]], quantum: f64) -> f64 {
     let away = |triple: &[f64]| (triple[1] - 0.5 * (triple[0] + triple[2])).abs();
-    let mut all: Vec<f64> = runs.iter().flat_map(|run| run.windows(3).map(away)).collect();
-    all.sort_by(f64::total_cmp);
-    let median = all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY);
-    (median / MIDDLE).max(quantum)
+    let middle = median(runs.iter().flat_map(|run| run.windows(3).map(away)));
+    (middle.unwrap_or(f64::INFINITY) / MIDDLE).max(quantum)
 }
 
 #[cfg(test)]

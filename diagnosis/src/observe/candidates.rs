@@ -190,6 +190,18 @@ fn beyond(variable: &Variable) -> String {
     format!("the unit takes {within} for {}", variable.name)
 }
 
+/// A range as factors or shares of the neutral value, and as which of them; nothing where it can be neither, or both.
+fn relative((low, high): (f64, f64), neutral: f64) -> Option<((f64, f64), &'static str)> {
+    let ordered = |one: f64, other: f64| (one.min(other), one.max(other));
+    match (low <= 1.0 && 1.0 <= high, low <= 0.0 && 0.0 <= high) {
+        (true, false) => Some((ordered(low * neutral, high * neutral), "factors")),
+        (_, true) if low < 0.0 || high < 1.0 => {
+            Some((ordered((1.0 + low) * neutral, (1.0 + high) * neutral), "shares"))
+        }
+        _ => None,
+    }
+}
+
 /// The range in the variable's own unit. A relative candidate may be given it as factors of its neutral value (around 1) or
 /// as shares of it (around 0); one that holds both 0 and 1 and nothing below may be meant either way.
 fn range(
@@ -232,22 +244,13 @@ fn range(
     if holds((low, high)) || scale == Scale::Saturation {
         return within((low, high));
     }
-    let ordered = |one: f64, other: f64| (one.min(other), one.max(other));
-    let read = match (scale, low <= 1.0 && 1.0 <= high, low <= 0.0 && 0.0 <= high) {
-        (Scale::Relative, true, false) => Some((ordered(low * neutral, high * neutral), "factors")),
-        (Scale::Relative, _, true) if low < 0.0 || high < 1.0 => {
-            Some((ordered((1.0 + low) * neutral, (1.0 + high) * neutral), "shares"))
-        }
-        _ => None,
-    };
-    let Some((range, how)) = read else {
+    let Some((range, how)) = relative((low, high), neutral).filter(|_| scale == Scale::Relative) else {
         return Err(wrong(format!("the neutral value {neutral} of {} lies outside", variable.name)));
     };
-    let message = format!(
+    let cut = within(range)?;
+    tell(format!(
         "range = [{low}, {high}] doesn't hold the neutral value {neutral} of {}: read as {how} of it, [{}, {}]",
         variable.name, range.0, range.1
-    );
-    let range = within(range)?;
-    tell(message);
-    Ok(range)
+    ));
+    Ok(cut)
 }

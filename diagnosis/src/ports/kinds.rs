@@ -41,27 +41,29 @@ pub struct Kind {
     pub scale: Scale,
     /// What its value is measured in.
     pub measure: Measure,
+    /// What it gives hangs on what came before: where in a row a value moves then matters, and a mean over the row doesn't tell it.
+    pub over_time: bool,
 }
 
 impl Kind {
     const fn gain() -> Self {
         let (words, neutral, range) = ("gain", 1.0, PORTS.gain);
-        Self { words, neutral, range, scale: Scale::Relative, measure: Measure::Number }
+        Self { words, neutral, range, scale: Scale::Relative, measure: Measure::Number, over_time: false }
     }
 
     const fn added(words: &'static str, measure: Measure) -> Self {
         let range = (f64::NEG_INFINITY, f64::INFINITY);
-        Self { words, neutral: 0.0, range, scale: Scale::Absolute, measure }
+        Self { words, neutral: 0.0, range, scale: Scale::Absolute, measure, over_time: false }
     }
 
     const fn late(words: &'static str) -> Self {
         let (range, measure) = ((0.0, f64::INFINITY), Measure::Seconds);
-        Self { words, neutral: 0.0, range, scale: Scale::Absolute, measure }
+        Self { words, neutral: 0.0, range, scale: Scale::Absolute, measure, over_time: true }
     }
 
-    const fn limit(words: &'static str, measure: Measure) -> Self {
+    const fn limit(words: &'static str, measure: Measure, over_time: bool) -> Self {
         let range = (0.0, f64::INFINITY);
-        Self { words, neutral: 0.0, range, scale: Scale::Saturation, measure }
+        Self { words, neutral: 0.0, range, scale: Scale::Saturation, measure, over_time }
     }
 
     /// At an input.
@@ -71,8 +73,8 @@ impl Kind {
             InputEffect::Bias => Self::added("bias", Measure::Variable),
             InputEffect::Delay => Self::late("delay"),
             InputEffect::Lag => Self::late("first-order lag"),
-            InputEffect::Saturation => Self::limit("saturation", Measure::Variable),
-            InputEffect::RateLimit => Self::limit("rate limit", Measure::VariablePerSecond),
+            InputEffect::Saturation => Self::limit("saturation", Measure::Variable, false),
+            InputEffect::RateLimit => Self::limit("rate limit", Measure::VariablePerSecond, true),
         }
     }
 
@@ -125,6 +127,15 @@ mod tests {
             "a delay of a number is a time as well"
         );
         assert_eq!(Measure::VariablePerSecond.unit(None), None);
+    }
+
+    #[test]
+    fn law_what_hangs_on_the_past_is_late_or_limits_a_rate() {
+        let over_time = |kind: &Kind| kind.is_late() || kind.words == "rate limit";
+        let kinds = InputEffect::ALL.iter().map(|effect| Kind::of_input(*effect));
+        for kind in kinds.chain(OutputEffect::ALL.iter().map(|effect| Kind::of_output(*effect))) {
+            assert_eq!(kind.over_time, over_time(&kind), "{kind:?}");
+        }
     }
 
     #[test]

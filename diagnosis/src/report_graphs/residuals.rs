@@ -4,7 +4,7 @@
 use super::{BINS, COLUMNS, LAGS, OVER, amended, labelled, refused};
 use crate::diagnosis::{Diagnosis, Trace};
 use crate::error::Error;
-use crate::overlay::{Bin, Channel, Dependence, at, autocorrelation, binned};
+use crate::overlay::{Bin, Dependence, Overlaid, at, autocorrelation, binned};
 use crate::statistics::levels::WITHIN;
 use report::thin::thin;
 use report::{Axis, Graph, Line, Page, Style};
@@ -40,7 +40,7 @@ pub fn residuals(diagnosis: &Diagnosis, page: &mut Page) -> Result<(), Error> {
 }
 
 /// Which channel is drawn, and why.
-fn told(channel: &Channel, diagnosis: &Diagnosis, worst: Option<&Channel>) -> String {
+fn told(channel: &Overlaid, diagnosis: &Diagnosis, worst: Option<&Overlaid>) -> String {
     let signal = &channel.signal;
     let share = diagnosis.place.iter().find(|place| place.signal == *signal).map(|place| place.share);
     let why = match share {
@@ -54,7 +54,7 @@ fn told(channel: &Channel, diagnosis: &Diagnosis, worst: Option<&Channel>) -> St
 }
 
 /// All graphs of a channel.
-fn graphs(channel: &Channel) -> Vec<(Graph, String)> {
+fn graphs(channel: &Overlaid) -> Vec<(Graph, String)> {
     over_time(channel).into_iter().chain(of_past(channel)).chain(over_variables(channel)).collect()
 }
 
@@ -75,19 +75,19 @@ fn trace(trace: &Trace) -> Option<(Graph, String)> {
 }
 
 /// The channel in which what was found shows most.
-fn found(diagnosis: &Diagnosis) -> Option<&Channel> {
+fn found(diagnosis: &Diagnosis) -> Option<&Overlaid> {
     let of = |signal: &String| diagnosis.channels.iter().find(|channel| channel.signal == *signal);
     let any = !diagnosis.effects.is_empty() || diagnosis.unknown.is_some();
     diagnosis.place.iter().filter(|_| any).find_map(|place| of(&place.signal))
 }
 
 /// The channel whose residual remembers most.
-fn worst(channels: &[Channel]) -> Option<&Channel> {
+fn worst(channels: &[Overlaid]) -> Option<&Overlaid> {
     channels.iter().max_by(|a, b| memory(a).total_cmp(&memory(b)))
 }
 
 /// The correlation with the row before.
-fn memory(channel: &Channel) -> f64 {
+fn memory(channel: &Overlaid) -> f64 {
     autocorrelation(&channel.residual, 1).first().map_or(0.0, |(_, at)| at.abs())
 }
 
@@ -97,17 +97,17 @@ fn chance_of_memory(values: usize) -> f64 {
 }
 
 /// Whether a residual remembers more than white noise does.
-fn beyond(channel: &Channel) -> bool {
+fn beyond(channel: &Overlaid) -> bool {
     memory(channel) > chance_of_memory(channel.residual.len())
 }
 
 /// What the nominal model leaves.
-fn left_by_nominal(channel: &Channel) -> Vec<(f64, f64)> {
+fn left_by_nominal(channel: &Overlaid) -> Vec<(f64, f64)> {
     let less = |(time, value): &(f64, f64)| Some((*time, at(&channel.measured, *time)? - value));
     channel.nominal.iter().filter_map(less).collect()
 }
 
-fn over_time(channel: &Channel) -> Option<(Graph, String)> {
+fn over_time(channel: &Overlaid) -> Option<(Graph, String)> {
     let nominal = left_by_nominal(channel);
     let title = format!("Residual of {}, {}", channel.signal, channel.run);
     let y = labelled("residual", &channel.unit);
@@ -126,7 +126,7 @@ fn with_noise(graph: Graph, above: Vec<(f64, f64)>, below: Vec<(f64, f64)>) -> G
     graph.with(line("noise, above", above)).with(line("noise, below", below))
 }
 
-fn of_past(channel: &Channel) -> Option<(Graph, String)> {
+fn of_past(channel: &Overlaid) -> Option<(Graph, String)> {
     let title = format!("Residual of {}: autocorrelation", channel.signal);
     let mut graph = Graph::new(title, Axis::fitted("rows before"), Axis::over("correlation", -1.0, 1.0));
     let past = autocorrelation(&channel.residual, LAGS);
@@ -172,7 +172,7 @@ impl<'a> Followed<'a> {
 }
 
 /// The residual over the states and inputs that it follows most, in their own order.
-fn over_variables(channel: &Channel) -> Vec<(Graph, String)> {
+fn over_variables(channel: &Overlaid) -> Vec<(Graph, String)> {
     let mut all: Vec<(usize, Followed<'_>)> = channel.over.iter().map(Followed::of).enumerate().collect();
     all.retain(|(_, followed)| followed.amended.len() > 2);
     all.sort_by(|a, b| b.1.size().total_cmp(&a.1.size()));
@@ -181,7 +181,7 @@ fn over_variables(channel: &Channel) -> Vec<(Graph, String)> {
     all.iter().map(|(_, followed)| (over_variable(channel, followed), String::new())).collect()
 }
 
-fn over_variable(channel: &Channel, followed: &Followed<'_>) -> Graph {
+fn over_variable(channel: &Overlaid, followed: &Followed<'_>) -> Graph {
     let over = followed.over;
     let means = |bins: &[Bin]| bins.iter().map(|bin| (bin.at, bin.mean)).collect::<Vec<_>>();
     let noise = |side: f64| -> Vec<(f64, f64)> {
@@ -203,10 +203,10 @@ fn over_variable(channel: &Channel, followed: &Followed<'_>) -> Graph {
 mod tests {
     use super::{BINS, WITHIN, binned, chance, over_variables, residuals};
     use crate::diagnosis::{Diagnosis, Effect, Where};
-    use crate::overlay::{Channel, Dependence};
+    use crate::overlay::{Dependence, Overlaid};
 
     /// Residuals of 2 and -2, one after the other, or twice each in turn.
-    fn channel(signal: &str, rows: u32, each: u32) -> Channel {
+    fn channel(signal: &str, rows: u32, each: u32) -> Overlaid {
         let value = |row: u32| if (row / each).is_multiple_of(2) { 2.0 } else { -2.0 };
         let course =
             |of: &dyn Fn(u32) -> f64| (0..rows).map(|row| (f64::from(row), of(row))).collect::<Vec<_>>();
@@ -217,7 +217,7 @@ mod tests {
             pairs: pairs.clone(),
             nominal: pairs.clone(),
         }];
-        Channel {
+        Overlaid {
             run: "run-01".into(),
             left_out: false,
             signal: signal.into(),
@@ -281,7 +281,7 @@ mod tests {
         };
         // + + - - hardly remembers the row before
         let quiet = channel("box.quiet", 60, 2);
-        let slow = Channel { left_out: true, ..channel("box.slow", 60, 6) };
+        let slow = Overlaid { left_out: true, ..channel("box.slow", 60, 6) };
         let diagnosis = Diagnosis {
             effects: vec![effect],
             place: vec![place("box.quiet", 0.75)],

@@ -89,15 +89,13 @@ impl Search<'_> {
         Ok((effects, here))
     }
 
-    /// The side and kind of a parameter that stands at a port, by its name behind the colon.
-    fn port(&self, index: usize) -> Option<(Side, &'_ str)> {
-        let parameter = &self.engine.machine.parameters[index];
-        let side = match parameter.role {
-            Role::Unit(_) => return None,
-            Role::Input(..) => Side::Inputs,
-            Role::Output(..) => Side::Outputs,
-        };
-        Some((side, parameter.name.rsplit_once(':')?.1))
+    /// The side and kind of a parameter that stands at a port. What has one name on both sides does the same there.
+    fn port(&self, index: usize) -> Option<(Side, &'static str)> {
+        match self.engine.machine.parameters[index].role {
+            Role::Unit(_) => None,
+            Role::Input(_, effect) => Some((Side::Inputs, effect.name())),
+            Role::Output(_, effect) => Some((Side::Outputs, effect.name())),
+        }
     }
 }
 

@@ -27,8 +27,8 @@ pub mod walk;
 pub(crate) use policy::SEARCHING;
 pub use walk::Search;
 
-/// Numbers of the search. `tests/policy_any.rs` holds `gain` and `unknown` against the null distribution; `most`, `looked` and `fitted` it
-/// compares with what they are, so that nobody moves one unseen.
+/// Numbers of the search. `tests/policy_any.rs` holds `gain` and `unknown` against the null distribution; `most`, `looked` and `fitted`
+/// stand with their reasons in `SEARCHING`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Policy {
     /// Deviance that a model must gain by one more effect: what the best of all candidates gains by chance (χ² with one degree of
@@ -62,9 +62,9 @@ impl Policy {
             sure,
             beside: SEARCHING.guessed * SEARCHING.guessed * sure,
             class: SEARCHING.class,
-            looked: 10,
-            fitted: 4,
-            most: 5,
+            looked: SEARCHING.looked,
+            fitted: SEARCHING.fitted,
+            most: SEARCHING.most,
             unknown: SEARCHING.integrators * chance,
         }
     }

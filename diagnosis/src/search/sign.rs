@@ -22,7 +22,9 @@ impl Search<'_> {
         let gains: Vec<usize> = self.others(&[]).into_iter().filter(is_gain).collect();
         let Some(course) = columns(self.engine, fit, &gains)? else { return Ok(false) };
         let Some((gain, share)) = turned(&course.columns, &course.values) else { return Ok(false) };
-        let name = self.name(gain).trim_end_matches(":gain").to_owned();
+        let machine = &self.engine.machine;
+        let Role::Input(input, _) = machine.parameters[gain].role else { return Ok(false) };
+        let name = &machine.inputs[input].name;
         self.doubts.push(format!(
             "with its sign turned {name} would do {:.0} % of what the unlisted input did: look at the sign of its column",
             100.0 * share

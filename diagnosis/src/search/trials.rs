@@ -3,8 +3,8 @@
 use super::policy::SEARCHING;
 use crate::dynamics::linearise::{Chord, Engine};
 use crate::dynamics::machine::Role;
-use crate::observe::{InputEffect, Scale};
-use crate::ports::Kind;
+use crate::observe::Scale;
+use crate::ports::{Kind, Measure};
 use crate::statistics::levels::SEVERAL;
 use crate::statistics::median::median;
 
@@ -66,8 +66,12 @@ fn limits(engine: &Engine, parameter: usize) -> Vec<f64> {
         pairs.fold(0.0, |most: f64, pair| most.max((pair[1] - pair[0]).abs()))
     };
     match described.role {
-        Role::Input(input, InputEffect::RateLimit) => ramps(engine, input, jump(input)),
-        Role::Input(input, _) => SEARCHING.limits.iter().map(|share| share * largest(input)).collect(),
+        Role::Input(input, effect) => match Kind::of_input(effect).measure {
+            Measure::VariablePerSecond => ramps(engine, input, jump(input)),
+            Measure::Number | Measure::Variable | Measure::Seconds => {
+                SEARCHING.limits.iter().map(|share| share * largest(input)).collect()
+            }
+        },
         _ => {
             let (least, most) = described.range;
             if most.is_finite() && most > 0.0 {

@@ -61,6 +61,12 @@ pub(super) fn replaces(other: f64, own: f64) -> bool {
     other < own - 1.0
 }
 
+/// What the story says of a search that ended since a model has as many effects as it may.
+fn ended_by_most(effects: usize, most: usize) -> Option<String> {
+    (effects >= most)
+        .then(|| format!("a model has {most} effects at most: whether it lacks a further one was not asked"))
+}
+
 impl Search<'_> {
     /// A switch or count is set, everything else is fitted.
     pub fn is_fitted(&self, parameter: usize) -> bool {
@@ -274,7 +280,14 @@ impl Search<'_> {
             (effects, here) = self.settled(effects, here, watch)?;
             self.trim();
         }
+        self.tell_of_most(effects.len());
         Ok((effects, here))
+    }
+
+    /// Says that the search went no further since a model has as many effects as it may.
+    fn tell_of_most(&mut self, effects: usize) {
+        let told = ended_by_most(effects, self.policy.most);
+        self.story.extend(told.filter(|told| !self.story.contains(told)));
     }
 
     /// The sizes of the noises where no equation has process noise.
@@ -347,7 +360,13 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{may_gain, may_replace, replaces};
+    use super::{ended_by_most, may_gain, may_replace, replaces};
+
+    #[test]
+    fn law_a_search_that_ends_for_its_many_effects_says_so() {
+        let told = [4, 5, 6].map(|effects| ended_by_most(effects, 5).is_some());
+        assert_eq!(told, [false, true, true]);
+    }
 
     #[test]
     fn value_what_a_screened_candidate_must_gain_to_be_fitted() {

@@ -1,4 +1,4 @@
-//! Each effect: the identity at its off value, and alone changing only what it claims.
+//! Each effect: the identity at its neutral value, and alone changing only what it claims.
 
 use crate::common::*;
 use camera::Variables;

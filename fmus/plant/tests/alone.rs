@@ -1,4 +1,4 @@
-//! Each effect taken alone: what it changes, and that it changes nothing else; nothing at all at its off value.
+//! Each effect taken alone: what it changes, and that it changes nothing else; nothing at all at its neutral value.
 
 use crate::common::{Rig, WILD};
 use fmi2_export::{Kind, Slot, SlotMut, Table};

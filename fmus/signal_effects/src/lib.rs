@@ -7,7 +7,7 @@
 //!
 //! Before an input it is an actuator, behind an output a sensor (its offset is `bias`); with nothing but a delay it is a delay
 //! line. The order is that of the plant's actuator, and so is what comes out: y at a communication point is what
-//! the plant's `tau_applied` is there. Each effect at its off value leaves the bits alone; all off: y = u + d, and u to
+//! the plant's `tau_applied` is there. Each effect at its neutral value leaves the bits alone; all off: y = u + d, and u to
 //! the last bit where d is 0.
 //!
 //! All of it is computed in closed form, so that y doesn't depend on how a master cuts time into steps, as long as the

@@ -1,5 +1,7 @@
 //! An instance that was freed leaves nothing behind (FMI 2.0.4 section 2.1.5).
 
+#![allow(unsafe_code)] // asks the C library for the heap's size
+
 use super::bench::{Bench, Halt};
 use crate::Severity;
 use crate::finding::Found;

@@ -1,6 +1,8 @@
 //! The process in which a rule runs a unit: this very program, started again. It says each call before it makes it, so that
 //! the last ones are known when it does not come back.
 
+#![allow(unsafe_code)] // descriptors and limits of the process, by the C library
+
 use super::{Limits, bench, look};
 use crate::error::Error;
 use crate::finding::{Finding, Found};

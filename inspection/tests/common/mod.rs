@@ -12,6 +12,10 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Duration;
 
+/// Our own units that run by themselves.
+pub const OURS: [&str; 5] =
+    ["acrobot_plant", "acrobot_camera", "acrobot_controller", "acrobot_residual", "signal_effects"];
+
 /// The process of a rule is the test program with only the test `rule_host`, which calls this.
 pub fn host() {
     inspection::host_rules(["--exact", "rule_host", "--nocapture", "--test-threads=1"]);

@@ -26,11 +26,17 @@ macro_rules! access {
     ($get:ident, $set:ident, $type:ty, $need:ident, $get_name:literal, $set_name:literal, $get_function:ident,
      $set_function:ident, $read:ident, $write:ident) => {
         #[doc = concat!("`", $get_name, "`; as many values as references.")]
+        ///
+        /// # Errors
+        /// Lengths differ, or the unit failed.
         pub fn $get(&mut self, references: &[u32], values: &mut [$type]) -> Result<(), Error> {
             self.entered(|instance| instance.$read(references, values))
         }
 
         #[doc = concat!("`", $set_name, "`; as many values as references.")]
+        ///
+        /// # Errors
+        /// Lengths differ, or the unit failed.
         pub fn $set(&mut self, references: &[u32], values: &[$type]) -> Result<(), Error> {
             self.entered(|instance| instance.$write(references, values))
         }
@@ -111,6 +117,9 @@ impl Instance {
 
     /// `fmi2GetString`; as many values as references. The texts are copied, since the unit owns its own only until
     /// the next call.
+    ///
+    /// # Errors
+    /// Lengths differ, or the unit failed.
     pub fn get_string(&mut self, references: &[u32], values: &mut [String]) -> Result<(), Error> {
         let mut texts = vec![Text::default(); values.len()];
         self.entered(|instance| instance.get_texts(references, &mut texts))?;
@@ -119,6 +128,9 @@ impl Instance {
     }
 
     /// `fmi2SetString`; as many values as references. A zero byte inside a text is left out.
+    ///
+    /// # Errors
+    /// Lengths differ, or the unit failed.
     pub fn set_string(&mut self, references: &[u32], values: &[String]) -> Result<(), Error> {
         let texts: Vec<Text> = values.iter().map(|text| Text::from(text.as_str())).collect();
         self.entered(|instance| instance.set_texts(references, &texts))
@@ -204,6 +216,10 @@ impl Instance {
     }
 
     /// `fmi2SetRealInputDerivatives`: derivatives of the given orders, for inputs that the unit interpolates.
+    /// `orders` and `values` are as long as `references`.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, lengths differ, or it failed.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -231,6 +247,10 @@ impl Instance {
     }
 
     /// `fmi2GetRealOutputDerivatives`: derivatives of the given orders at the current communication point.
+    /// `orders` and `values` are as long as `references`.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, lengths differ, or it failed.
     pub fn get_output_derivatives(
         &mut self,
         references: &[u32],
@@ -258,6 +278,10 @@ impl Instance {
     }
 
     /// `fmi2GetDirectionalDerivative`: the change of `unknowns` for a change `seed` of `knowns`.
+    /// `seed` is as long as `knowns`, `result` as `unknowns`.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, lengths differ, or it failed.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -289,6 +313,9 @@ impl Instance {
     }
 
     /// Reads one variable.
+    ///
+    /// # Errors
+    /// The unit failed.
     pub fn get(&mut self, kind: Kind, reference: u32) -> Result<Value, Error> {
         Ok(match kind {
             Kind::Real => {
@@ -316,6 +343,9 @@ impl Instance {
     }
 
     /// Writes one variable.
+    ///
+    /// # Errors
+    /// The unit failed.
     pub fn set(&mut self, reference: u32, value: &Value) -> Result<(), Error> {
         match value {
             Value::Real(value) => self.set_real(&[reference], &[*value]),

@@ -173,11 +173,6 @@ impl Instance {
         self.sink.lines()
     }
 
-    /// Takes the log lines away.
-    pub fn take_log(&mut self) -> Vec<LogLine> {
-        self.sink.take()
-    }
-
     /// How many calls answered with a warning so far.
     pub fn warnings(&self) -> u64 {
         self.warnings
@@ -246,6 +241,9 @@ impl Instance {
 
     /// `fmi2SetupExperiment`, with the tolerance that the unit's own description proposes, as other masters do: a unit is as
     /// exact as its maker meant it to be.
+    ///
+    /// # Errors
+    /// The unit failed; its status and its log lines are in the error.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
         let proposed = self.fmu.description().default_experiment.tolerance;
         let tolerance = proposed.filter(|tolerance| tolerance.is_finite() && *tolerance > 0.0);
@@ -264,6 +262,9 @@ impl Instance {
     }
 
     /// `fmi2EnterInitializationMode`.
+    ///
+    /// # Errors
+    /// The unit failed; its status and its log lines are in the error.
     pub fn enter_initialization(&mut self) -> Result<(), Error> {
         // SAFETY: the component is alive.
         let call = || unsafe { (self.functions.enter_initialization)(self.component) };
@@ -274,6 +275,9 @@ impl Instance {
     }
 
     /// `fmi2ExitInitializationMode`.
+    ///
+    /// # Errors
+    /// The unit failed; its status and its log lines are in the error.
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
         // SAFETY: the component is alive.
         let call = || unsafe { (self.functions.exit_initialization)(self.component) };

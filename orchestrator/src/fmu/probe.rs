@@ -62,6 +62,9 @@ impl Instance {
     }
 
     /// `fmi2SetDebugLogging`: what the unit is to log.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
     pub fn set_debug_logging(&mut self, on: bool, categories: &[String]) -> Result<(), Error> {
         const NAME: &str = "fmi2SetDebugLogging";
         let Some(function) = self.functions.set_debug_logging else { return Err(self.missing(NAME)) };

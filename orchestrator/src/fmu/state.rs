@@ -19,6 +19,9 @@ unsafe impl Send for SavedState {}
 
 impl Instance {
     /// `fmi2GetFMUstate`.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
     pub fn save_state(&mut self) -> Result<SavedState, Error> {
         const NAME: &str = "fmi2GetFMUstate";
         let Some(function) = self.functions.get_state else { return Err(self.missing(NAME)) };
@@ -43,6 +46,9 @@ impl Instance {
     }
 
     /// `fmi2SetFMUstate`: back to a state of this instance.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
     pub fn restore_state(&mut self, saved: &SavedState) -> Result<(), Error> {
         const NAME: &str = "fmi2SetFMUstate";
         let Some(function) = self.functions.set_state else { return Err(self.missing(NAME)) };
@@ -54,6 +60,9 @@ impl Instance {
     }
 
     /// `fmi2FreeFMUstate`.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
     pub fn free_state(&mut self, saved: SavedState) -> Result<(), Error> {
         self.free_state_seen(saved).map(drop)
     }
@@ -74,6 +83,9 @@ impl Instance {
     }
 
     /// `fmi2SerializeFMUstate`: the state as bytes.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
     pub fn serialize_state(&mut self, saved: &SavedState) -> Result<Vec<u8>, Error> {
         const NAME: &str = "fmi2SerializeFMUstate";
         let (Some(size_of), Some(function)) = (self.functions.state_size, self.functions.serialize_state)
@@ -96,6 +108,9 @@ impl Instance {
     }
 
     /// `fmi2DeSerializeFMUstate`: a state from bytes, also those of another instance of the same unit.
+    ///
+    /// # Errors
+    /// The unit hasn't got the function, or it failed.
     pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<SavedState, Error> {
         const NAME: &str = "fmi2DeSerializeFMUstate";
         let Some(function) = self.functions.deserialize_state else { return Err(self.missing(NAME)) };

@@ -7,7 +7,7 @@
 //! start = 0.0                      # optional
 //! stop = 30.0                      # times: a number or a text such as "1/3", taken exactly; a decimal as long as
 //!                                  # 0.0016666666666666668 for the fraction that it came from, 1/600
-//! algorithm = "gauss-seidel"       # or "jacobi", "iterated", "step-halving"; optional
+//! algorithm = "gauss-seidel"       # or another one of the table in docs/scenario.md; optional
 //! options = { tolerance = 1e-6 }   # of the algorithm; optional
 //! seed = 0                         # of jitter and drop below; optional
 //! [[units]]                        # Gauss-Seidel steps units in this order

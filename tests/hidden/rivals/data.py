@@ -135,7 +135,7 @@ def limits(effect, data):
 
 
 def trials(effect, off, data):
-    """Values of an effect without a slope at its off value: limits, integers, switches."""
+    """Values of an effect without a slope at its neutral value: limits, integers, switches."""
     if effect.shape == "switch":
         return [1.0 - off]
     return list(INTEGERS[effect.key]) if effect.shape == "integer" else limits(effect, data)

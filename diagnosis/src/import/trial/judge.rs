@@ -47,21 +47,8 @@ pub(super) fn judge(
     }
     let (near, mut told) = (seen.is_some(), false);
     match (seen, matched.unit.clone()) {
-        (Some(Seen { unit, found, beside: None, slope }), None) => {
-            let mut why = format!("in {unit}, by trial: {said}, offset {:.4}", line.offset);
-            if !is_unit(slope) {
-                why += &format!(
-                    "; numbers in {unit}, the nearest usual unit, would be {slope:.2} times what the model says: look at this"
-                );
-                notices.push(format!("column {:?}: {why}", matched.column));
-            }
-            matched.evidence.push(why);
-            matched.unit = Some(unit);
-            let sign = own.scale.signum() * line.slope.signum();
-            if sign < 0.0 || matched.affine.is_some() {
-                matched.affine = Some(Affine { scale: sign * found.scale, offset: found.offset });
-            }
-            return;
+        (Some(seen @ Seen { beside: None, .. }), None) => {
+            return take_unit(matched, line, own, seen, &said, notices);
         }
         (Some(seen), header) => told = tell(matched, &seen, header.as_deref(), &said, notices),
         (None, _) => {}
@@ -77,6 +64,31 @@ pub(super) fn judge(
         return;
     }
     size(matched, line, near && !told, &said, notices);
+}
+
+/// Takes the unit of measurement that was seen for an output of which nothing says one.
+fn take_unit(
+    matched: &mut Match,
+    line: Line,
+    own: Affine,
+    seen: Seen,
+    said: &str,
+    notices: &mut Vec<String>,
+) {
+    let Seen { unit, found, slope, .. } = seen;
+    let mut why = format!("in {unit}, by trial: {said}, offset {:.4}", line.offset);
+    if !is_unit(slope) {
+        why += &format!(
+            "; numbers in {unit}, the nearest usual unit, would be {slope:.2} times what the model says: look at this"
+        );
+        notices.push(format!("column {:?}: {why}", matched.column));
+    }
+    matched.evidence.push(why);
+    matched.unit = Some(unit);
+    let sign = own.scale.signum() * line.slope.signum();
+    if sign < 0.0 || matched.affine.is_some() {
+        matched.affine = Some(Affine { scale: sign * found.scale, offset: found.offset });
+    }
 }
 
 /// What is said of the size of an output whose sign fits; where a unit comes `near` that it isn't, the slope.

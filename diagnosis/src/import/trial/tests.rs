@@ -4,9 +4,9 @@ use super::*;
 
 #[test]
 fn value_the_longest_stretch_has_no_gap() {
-    let stamps = [0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0, 20.0];
-    assert_eq!(whole_stretch(&stamps, 1.0), 3..7);
-    assert_eq!(whole_stretch(&stamps[..3], 1.0), 0..3);
+    let timestamps = [0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0, 20.0];
+    assert_eq!(whole_stretch(&timestamps, 1.0), 3..7);
+    assert_eq!(whole_stretch(&timestamps[..3], 1.0), 0..3);
 }
 
 #[test]

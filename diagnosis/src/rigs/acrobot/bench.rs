@@ -2,6 +2,7 @@
 //!
 //! An instance is reset before each use, so results don't depend on which one a thread gets.
 
+use crate::dynamics::worker::typed;
 use crate::error::Error;
 use orchestrator::fmu::{Instance, Status};
 use orchestrator::{Fmu, Kind, Value};
@@ -77,12 +78,7 @@ impl Bench {
             .references
             .get(name)
             .ok_or_else(|| Error::Model(format!("{} has no variable `{name}`", self.fmu.path().display())))?;
-        let value = match kind {
-            Kind::Integer => Value::Integer(value.round() as i32),
-            Kind::Boolean => Value::Boolean(value > 0.5),
-            _ => Value::Real(value),
-        };
-        Ok((*reference, value))
+        Ok((*reference, typed(*kind, value)))
     }
 
     /// Does something with an instance that stays in initialization mode, where start values and inputs may be set

@@ -67,7 +67,7 @@ pub struct Channel {
     pub file: File,
     /// Its name there, which is that of the unit's variable.
     pub column: &'static str,
-    /// Its unit of measurement, for people.
+    /// Its unit of measurement, for people; empty: a number without one.
     pub unit: &'static str,
     /// What it measures.
     pub measures: Measures,
@@ -135,15 +135,15 @@ pub const CHANNELS: &[Channel] = &[
     told(Camera, "dq1_est", "rad/s", Other),
     told(Camera, "dq2_est", "rad/s", Other),
     told(Controller, "tau", "N·m", Command),
-    told(Controller, "z_desired", "m", Other),
+    told(Controller, "z_desired", "", Other),
     told(Controller, "tau_1", "N·m", Command),
-    told(Controller, "z_hat", "m", Other),
+    told(Controller, "z_hat", "", Other),
     motion("q1", "rad", Angle, 1e-3, 1e-5),
     motion("q2", "rad", Angle, 1e-3, 1e-5),
     motion("dq1", "rad/s", Rate, 5e-2, 1e-4),
     motion("dq2", "rad/s", Rate, 5e-2, 1e-4),
     motion("tau_applied", "N·m", AppliedTorque, 1e-2, 1e-5),
-    told(Plant, "z", "m", Other),
+    told(Plant, "z", "", Other),
     told(Plant, "contact", "", Other),
 ];
 

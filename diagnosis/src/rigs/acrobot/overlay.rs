@@ -3,7 +3,7 @@
 use super::channels::{self, Measures};
 use super::dataset::{DataSet, Run};
 use super::residual::{Block, Signal};
-use crate::overlay::{Channel, Dependence, at};
+use crate::overlay::{Dependence, Overlaid, at};
 
 /// Every channel that a cut compares and that a run logged, of the last run that has rows of it: residuals of the nominal and of
 /// the amended model.
@@ -12,7 +12,7 @@ pub fn channels(
     signals: &[Signal],
     data: &DataSet,
     left_out: bool,
-) -> Vec<Channel> {
+) -> Vec<Overlaid> {
     let of = |(index, signal): (usize, &Signal)| {
         let last = amended.iter().rev().find(|block| holds(block, index))?.run;
         let run = data.runs.get(last)?;
@@ -22,7 +22,7 @@ pub fn channels(
             let less = |(time, residual): (f64, f64)| Some((time, at(&measured, time)? - residual));
             residual(blocks).into_iter().filter_map(less).collect()
         };
-        Some(Channel {
+        Some(Overlaid {
             run: run.name.clone(),
             left_out,
             signal: signal.name.clone(),

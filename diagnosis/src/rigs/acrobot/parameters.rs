@@ -12,11 +12,11 @@ pub const INTERLACED: &str = "camera.interlaced";
 pub const WIDTH: &str = "camera.width";
 /// Height of the image, px.
 pub const HEIGHT: &str = "camera.height";
-/// Width that it shows, m.
+/// Width that it shows, world units.
 pub const FIELD_OF_VIEW: &str = "camera.field_of_view";
-/// Height of the ground in it, m.
+/// Height of the ground in it, world units.
 pub const GROUND: &str = "camera.ground";
-/// Lengths of the links that it shows, m, and those of the paper's arm.
+/// Lengths of the links that it shows, world units, and those of the paper's arm.
 pub const LINKS: [(&str, f64); 2] = [("camera.l1", 6.19), ("camera.l2", 6.9)];
-/// Radius of the drum that it shows, m.
+/// Radius of the drum that it shows, world units.
 pub const DRUM: &str = "camera.R";

@@ -59,7 +59,8 @@ pub struct Policy {
     pub gap_widened: f64,
     /// Standard errors by which they must widen it.
     pub gap_clearly: f64,
-    /// Loss of who was no member: a truth is left out of its class at most once in 140 (see `CLASS`), and 2 ln 140 is 9.9.
+    /// Loss of who was no member, three standard deviations, squared. A truth is left out of its class at most once in 140 (see `CLASS`):
+    /// 2 ln 140 = 9.9, of which it is the round number below.
     pub excluded: f64,
     /// Rows at the beginning of a log from which its rates are read, s: an arm hardly moves away meanwhile.
     pub replay_first: f64,

@@ -38,10 +38,10 @@ pub fn insert(scenario: &mut Scenario, data: &DataSet, limit: Option<f64>) -> Op
     Some(format!("{words} of {}, from {begin} s of its log on", run.name))
 }
 
-/// The title of the amended model's run. A fall at its end is then no fault of the model.
+/// The title of the amended model's run. That it loses its balance is then no fault of the model.
 fn described(run: &Run, words: &str, contact: Option<f64>) -> String {
     let fell = contact.and_then(|contact| run.touches(contact)).is_some();
-    let end = if fell { ", which ended in a fall" } else { "" };
+    let end = if fell { ", which lost its balance" } else { "" };
     format!("The amended model beside {}{end}: {words}", run.name)
 }
 
@@ -146,14 +146,14 @@ mod tests {
     }
 
     #[test]
-    fn law_a_run_that_ended_in_a_fall_is_told_as_such() {
+    fn law_a_run_that_lost_its_balance_is_told_as_such() {
         let q2 = vec![0.1, 0.9, 2.35];
         let plant = Table::new(vec![0.0, 0.1, 0.2], vec![("q1".into(), vec![0.0; 3]), ("q2".into(), q2)]);
         let run = Run { name: "run-01".into(), camera: None, controller: None, plant: Some(plant) };
         let told = |contact| described(&run, "the logged torque", contact);
         assert_eq!(
             told(Some(2.35)),
-            "The amended model beside run-01, which ended in a fall: the logged torque"
+            "The amended model beside run-01, which lost its balance: the logged torque"
         );
         for contact in [None, Some(f64::INFINITY), Some(3.0)] {
             assert_eq!(told(contact), "The amended model beside run-01: the logged torque");

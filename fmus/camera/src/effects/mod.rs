@@ -1,6 +1,6 @@
 //! Lens and sensor effects, one file each, listed in the order of the light path.
 //!
-//! A new effect is one file (its parameters with their off values, its equation, its source) and one line in the
+//! A new effect is one file (its parameters with their neutral values, its equation, its source) and one line in the
 //! list below. Lens effects displace ideal image points and add up, (9) and (10); the others are applied by the
 //! stage whose section they stand in.
 
@@ -43,7 +43,7 @@ macro_rules! light_path {
                 all
             }
 
-            /// These effects without one lens parameter: the value named is put to its off value.
+            /// These effects without one lens parameter: the value named is put to its neutral value.
             pub fn without(&self, name: &str) -> Self {
                 let mut changed = self.clone();
                 $( crate::effects::switch_off(&mut changed.$lens, name); )*

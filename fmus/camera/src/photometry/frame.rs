@@ -316,7 +316,7 @@ fn levels(scene: &Scene) -> (f32, f32) {
     (scene.background as f32, (scene.foreground - scene.background) as f32)
 }
 
-/// (11) at the centre of each pixel, or nothing at the off value.
+/// (11) at the centre of each pixel, or nothing at the neutral value.
 fn sensitivity(sensor: &Sensor, effects: &Effects) -> Vec<f32> {
     if effects.sensitivity.exponent == 0.0 {
         return Vec::new();

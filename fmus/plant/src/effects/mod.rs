@@ -1,7 +1,7 @@
 //! Effects that the paper's plant lacks: friction, the motor's inertia, the ground, the actuator.
 //!
-//! One file an effect: its parameters with their off values, its equation and where that comes from. One line in
-//! the list below brings it into the variables, the checks and the equations. An effect at its off value is not
+//! One file an effect: its parameters with their neutral values, its equation and where that comes from. One line in
+//! the list below brings it into the variables, the checks and the equations. An effect at its neutral value is not
 //! computed at all, so that the bits are those of a plant without it.
 
 mod bias;

@@ -1,4 +1,4 @@
-//! What may be missing: every candidate is an FMU parameter with an off value.
+//! What may be missing: every candidate is an FMU parameter with a neutral value.
 //!
 //! The list (in `list.rs`) is data: a name, how the parameter moves, and a phrase a person would use. Nothing here
 //! says what a candidate does; its signature comes from moving it in the unit itself.
@@ -37,7 +37,7 @@ impl Side {
     }
 }
 
-/// How a parameter moves away from its off value.
+/// How a parameter moves away from its neutral value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// A real number; steps in the parameter's own unit.
@@ -105,7 +105,7 @@ pub struct Entry {
     pub twin: Option<&'static str>,
 }
 
-/// A candidate of one diagnosis: an entry with the nominal model's off value.
+/// A candidate of one diagnosis: an entry with the nominal model's neutral value.
 ///
 /// `x` is the coordinate in which the diagnosis works: the value itself, or 1/value for a saturation.
 #[derive(Debug, Clone, PartialEq)]
@@ -258,7 +258,7 @@ mod tests {
             notices: Vec::new(),
             clocks_apart: false,
             late_by_hand: 0.0,
-            pictures_apart: false,
+            frames_apart: false,
             blind: BTreeMap::new(),
         };
         let model = Model::load(&data, &scenarios::unit_path()).expect("cargo xtask pack was run");

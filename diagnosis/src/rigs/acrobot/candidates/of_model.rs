@@ -1,4 +1,4 @@
-//! The candidates of a nominal model: off values, steps and ranges.
+//! The candidates of a nominal model: neutral values, steps and ranges.
 
 use super::{Attribute, Candidate, Cuts, Entry, LIST, Motion, names};
 use crate::rigs::acrobot::model::Model;
@@ -8,7 +8,7 @@ pub fn continuous(list: &[Candidate], active: &[usize]) -> Vec<usize> {
     active.iter().copied().filter(|index| !list[*index].is_discrete()).collect()
 }
 
-/// The candidates that the nominal model has, with their off values. `withheld` names are left out.
+/// The candidates that the nominal model has, with their neutral values. `withheld` names are left out.
 pub fn candidates(
     model: &Model,
     withheld: &[String],

@@ -1,4 +1,4 @@
-//! Confounded explanations: named effects that together imitate something that none of them is.
+//! Confounded explanations: named effects that together explain something that none of them is.
 
 use super::torque_shape::nominal_shape;
 use super::unlisted_lens::are_laws_of_place;
@@ -11,7 +11,7 @@ use crate::rigs::acrobot::selection::Study;
 use crate::statistics::linear::submatrix;
 use nalgebra::{DMatrix, DVector};
 
-/// What they imitate has no name, unless something is left that tells more.
+/// What they explain together has no name, unless something is left that tells more.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     if so_far.is_some() {
         return Judgement::Keep;
@@ -21,19 +21,19 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
 
 /// What the names only stand for, if they do.
 pub(super) fn explained(found: &Found<'_>) -> Option<Unknown> {
-    // effects of a lens resemble each other, and are there: the laws that they may imitate are asked for by name
+    // effects of a lens resemble each other, and are there: the laws that they may stand for are asked for by name
     if !found.torque && are_laws_of_place(&found.study.active, found.list) {
         return None;
     }
-    imitation(found.study, found.signals, found.list, found.torque)
+    confounded(found.study, found.signals, found.list, found.torque)
 }
 
-/// Effects that imitate something which none of them is: a lens of fifth order, say, by one of third order, a scale and a
+/// Effects that together explain something which none of them is: a lens of fifth order, say, by one of third order, a scale and a
 /// tilt. What is missing shows in the nominal model then.
-fn imitation(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
+fn confounded(study: &Study, signals: &[Signal], candidates: &[Candidate], torque: bool) -> Option<Unknown> {
     let last = &study.last;
     let places = last.places(&study.active);
-    if study.active.len() < CHECK.imitators || places.len() < study.active.len() {
+    if study.active.len() < CHECK.confounding || places.len() < study.active.len() {
         return None;
     }
     let gram = submatrix(&last.total.gram, &places);
@@ -42,7 +42,7 @@ fn imitation(study: &Study, signals: &[Signal], candidates: &[Candidate], torque
     let names: Vec<&str> = study.active.iter().map(|index| candidates[*index].name).collect();
     let series: Vec<bool> =
         study.active.iter().map(|index| candidates[*index].is(Attribute::RadialSeries)).collect();
-    let nearest = cancelled(&gram, &sizes, &names, &series).or_else(|| mended(&gram, &sizes, &names))?;
+    let nearest = cancelled(&gram, &sizes, &names, &series).or_else(|| refined(&gram, &sizes, &names))?;
     let (signal, depends_on, shape) = nominal_shape(study, signals, candidates, torque)?;
     Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() })
 }
@@ -55,16 +55,16 @@ fn cancelled(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str], series: 
     let together = sizes.dot(&(gram * sizes));
     (together <= CHECK.cancelled * each).then(|| {
         format!(
-            "{} together imitate it, but take each other away: {:.1} % of their squares is left",
+            "{} together explain it, but take each other away: {:.1} % of their squares is left",
             names.join(", "),
             100.0 * together / each
         )
     })
 }
 
-/// One effect that explains nearly all, and others like it that only mend its form. A single other one of its kind is an effect by itself
+/// One effect that explains nearly all, and others like it that only refine its form. A single other one of its kind is an effect by itself
 /// that resembles it, as `u0` does `roll` and each term of a lens the one before.
-fn mended(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<String> {
+fn refined(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<String> {
     let answer = gram * sizes;
     let alone = |i: usize| answer[i] * answer[i] / gram[(i, i)];
     let first = (0..sizes.len()).max_by(|a, b| alone(*a).total_cmp(&alone(*b)))?;
@@ -75,13 +75,13 @@ fn mended(gram: &DMatrix<f64>, sizes: &DVector<f64>, names: &[&str]) -> Option<S
     let others: Vec<usize> = (0..sizes.len()).filter(|i| *i != first).collect();
     let of_its_kind = |i: &usize| alike(*i) > CHECK.resembles;
     let kind = 1 + others.iter().filter(|i| of_its_kind(i)).count();
-    let only_mend = kind >= CHECK.imitators && others.iter().all(|i| slight(*i) || of_its_kind(i));
-    (share < CHECK.mended && only_mend).then(|| {
-        let mends: Vec<&str> = others.iter().map(|i| names[*i]).collect();
+    let only_refine = kind >= CHECK.confounding && others.iter().all(|i| slight(*i) || of_its_kind(i));
+    (share < CHECK.refined && only_refine).then(|| {
+        let refine: Vec<&str> = others.iter().map(|i| names[*i]).collect();
         format!(
             "{} comes nearest, but its form is wrong: {}, which resemble it, are there only to correct the last {:.1} %",
             names[first],
-            mends.join(" and "),
+            refine.join(" and "),
             100.0 * share
         )
     })
@@ -100,24 +100,24 @@ mod tests {
     }
 
     #[test]
-    fn value_a_form_that_others_mend_is_an_imitation() {
+    fn value_a_form_that_others_refine_is_confounded() {
         // k2 withheld in noisy images, as seen: k1 with a scale and s2
         let (gram, sizes) = effects([567.3, -114.7, -48.0], [0.96, -0.74, -0.59]);
-        let told = mended(&gram, &sizes, &NAMES).expect("two that resemble k1 add 1.4 %");
+        let told = refined(&gram, &sizes, &NAMES).expect("two that resemble k1 add 1.4 %");
         assert!(told.starts_with("k1 comes nearest") && told.contains("scale and s2"), "{told}");
         // the same sizes of effects that don't resemble the first stand for themselves
         let (gram, sizes) = effects([567.3, -114.7, -48.0], [0.1, -0.05, -0.59]);
-        assert_eq!(mended(&gram, &sizes, &NAMES), None);
+        assert_eq!(refined(&gram, &sizes, &NAMES), None);
         // nor does a single one that resembles it mend it, as seen: k1 and k2 beside a friction
         let (gram, sizes) = effects([567.3, -114.7, -30.0], [0.96, 0.1, 0.1]);
-        assert_eq!(mended(&gram, &sizes, &NAMES), None);
+        assert_eq!(refined(&gram, &sizes, &NAMES), None);
         // but beside two that do a slight one is of no help: 900 of 210 000 squares
         let four = |alike: f64| {
             let (three, _) = effects([0.0; 3], [0.96, -0.74, -0.59]);
             let mut gram = DMatrix::identity(4, 4);
             gram.view_mut((0, 0), (3, 3)).copy_from(&three);
             (gram[(0, 3)], gram[(3, 0)]) = (alike, alike);
-            mended(
+            refined(
                 &gram,
                 &DVector::from_row_slice(&[567.3, -114.7, -48.0, -30.0]),
                 &["k1", "scale", "s2", "beta"],
@@ -126,11 +126,11 @@ mod tests {
         assert!(four(0.1).is_some());
         // and so do those that resemble it and explain much
         let (gram, sizes) = effects([567.3, 300.0, -200.0], [0.5, -0.5, 0.0]);
-        assert_eq!(mended(&gram, &sizes, &NAMES), None);
+        assert_eq!(refined(&gram, &sizes, &NAMES), None);
     }
 
     #[test]
-    fn value_effects_that_take_each_other_away_are_an_imitation() {
+    fn value_effects_that_take_each_other_away_are_confounded() {
         let (gram, sizes) = effects([100.0, -95.0, 1.0], [0.99, 0.0, 0.0]);
         assert!(cancelled(&gram, &sizes, &NAMES, &[false; 3]).is_some());
         // but for terms of one series, which are meant to
@@ -140,11 +140,11 @@ mod tests {
     }
 
     #[test]
-    fn value_each_level_of_an_imitation_stands_where_it_does() {
+    fn value_each_level_of_a_confounded_explanation_stands_where_it_does() {
         // 100 standard deviations of the first, so many of a second that resembles it by so much, none of the third
         let form = |second: f64, alike: f64| {
             let (gram, sizes) = effects([100.0, second, 0.0], [alike, 0.5, 0.0]);
-            mended(&gram, &sizes, &NAMES).is_some()
+            refined(&gram, &sizes, &NAMES).is_some()
         };
         // it adds 0.049 and 0.051 of the squares
         assert!(form(30.0, 0.5) && !form(31.0, 0.5));
@@ -155,7 +155,7 @@ mod tests {
             let (three, _) = effects([0.0; 3], [0.5, 0.5, 0.0]);
             let mut gram = DMatrix::identity(4, 4);
             gram.view_mut((0, 0), (3, 3)).copy_from(&three);
-            mended(
+            refined(
                 &gram,
                 &DVector::from_row_slice(&[100.0, 1.0, 1.0, fourth]),
                 &["k1", "scale", "s2", "beta"],

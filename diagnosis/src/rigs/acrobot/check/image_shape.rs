@@ -153,7 +153,7 @@ impl Frames {
             those.iter().map(gain).sum::<f64>() / squares
         });
         let how = if moved > 1.0 - PART {
-            "they show another moment than their time stamp says: repeated, exchanged or held up"
+            "they show another moment than their timestamp says: repeated, exchanged or held up"
         } else {
             "they don't show what the others do"
         };

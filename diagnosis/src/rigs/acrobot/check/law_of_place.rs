@@ -1,4 +1,4 @@
-//! A law of place: circles that stay off by a smooth function of the pose, below what a gap shows. Effects that together imitate a lens which none of them is
+//! A law of place: circles that stay off by a smooth function of the pose, below what a gap shows. Effects that together explain a lens which none of them is
 //! leave one, each of them sure; noise does not, nor what renderers draw otherwise, which changes from one place on the pixel lattice to the
 //! next.
 

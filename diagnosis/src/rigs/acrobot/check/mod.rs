@@ -70,7 +70,7 @@ impl From<Option<Unknown>> for Judgement {
 type Doubt = fn(&Found<'_>, Option<&Unknown>) -> Judgement;
 
 /// Doubts of the model with its effects.
-const OF_THE_MODEL: [Doubt; 6] = [
+const OF_THE_MODEL: &[Doubt] = &[
     circle_beside::doubt,
     residual::doubt,
     unlisted_lens::doubt,
@@ -79,8 +79,8 @@ const OF_THE_MODEL: [Doubt; 6] = [
     changing_value::doubt,
 ];
 /// Doubts of the logs, and of the effects on runs that were left out.
-const OF_THE_LOGS: [Doubt; 4] =
-    [clock_drift::doubt, differing_runs::doubt, widened_gap::doubt, shared_scatter::doubt];
+const OF_THE_LOGS: &[Doubt] =
+    &[clock_drift::doubt, differing_runs::doubt, widened_gap::doubt, shared_scatter::doubt];
 
 /// What all doubts leave.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -111,9 +111,9 @@ impl Judged {
 /// Asks all doubts in their order.
 pub fn judged(found: &Found<'_>) -> Judged {
     let mut judged = Judged::default();
-    judged.ask(&OF_THE_MODEL, found);
+    judged.ask(OF_THE_MODEL, found);
     judged.model_stands = judged.unknown.is_none();
-    judged.ask(&OF_THE_LOGS, found);
+    judged.ask(OF_THE_LOGS, found);
     judged.confounded = confounded::explained(found).is_some();
     judged
 }

@@ -10,7 +10,7 @@ pub struct Check {
     pub torque_ratio: f64,
     /// Share of what the model lacked to which named effects have the form that the product gives them: 0.7 to 1.3 % stay of dry friction of
     /// a thousand times what can be seen. As much of what is left may be a law of place: up to 0.012 where all that is there was named, 0.058 where six
-    /// effects imitated a lens.
+    /// effects stood for a lens.
     pub form: f64,
     /// Variance of block means over what independent rows would give, from which it is no noise: 0.7 to 1.6 in sets without a residual. The same of
     /// coefficients of a law of place: 0.3 to 0.8, and 6.4 of that lens.
@@ -28,20 +28,20 @@ pub struct Check {
     /// Times the squares of noise, from which a frame is far off; single ones are where such frames hold half of what noise doesn't leave
     /// and no more than two stand side by side.
     pub far_frame: f64,
-    /// Fewest effects on one cut that may imitate another one together.
-    pub imitators: usize,
+    /// Fewest effects on one cut that may stand for another one together.
+    pub confounding: usize,
     /// Share of the sum of their squares below which their sum's square is, where they take each other away. Seen: 0.02 where a lens of
-    /// fifth order was imitated, 0.35 to 1.5 for effects that are there.
+    /// fifth order was confounded with others, 0.35 to 1.5 for effects that are there.
     pub cancelled: f64,
     /// Share of what one of them explains alone, below which all the others together add so little that they only correct its form. Seen:
-    /// 0.014 to 0.027 where k1 imitated k2 in noisy images.
-    pub mended: f64,
+    /// 0.014 to 0.027 where k1 stood for k2 in noisy images.
+    pub refined: f64,
     /// Correlation above which an effect resembles the first one, as all must that only correct its form. Seen: 0.42 to 0.96 there. One
     /// that resembles it (0.99) and others that don't (below 0.01) are effects by themselves: k1, k2 and a friction, or roll, u0 and a
     /// delay.
     pub resembles: f64,
     /// Share of all squares below which an effect's own square is, so that it needn't resemble the first. Seen: 0.002 and 0.004 where a
-    /// lens and a backlash were imitated by five and four effects.
+    /// lens and a backlash were confounded with five and four effects.
     pub slight: f64,
     /// Share of what a law leaves that all runs share, up to which values of their own must leave for runs to differ.
     pub far_less: f64,
@@ -57,9 +57,9 @@ pub const CHECK: Check = Check {
     wanders: CERTAIN,
     wanders_far: SEVERAL * CERTAIN * CERTAIN,
     far_frame: FAR,
-    imitators: FEW,
+    confounding: FEW,
     cancelled: SMALL,
-    mended: HALF * SMALL,
+    refined: HALF * SMALL,
     resembles: PART,
     slight: STEP,
     far_less: 1.0 - PART,

@@ -18,7 +18,7 @@ fn shared_by(together: Together, signals: &[Signal]) -> Unknown {
     let what = if AREAS.contains(&one) {
         "a light that flickers"
     } else {
-        "time stamps that are off, or a mount that shakes"
+        "timestamps that are off, or a mount that shakes"
     };
     Unknown {
         signal: signals[one].name.clone(),
@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn every_pair_is_told_with_what_it_may_be() {
-        for (pair, what) in [((6, 7), "a light that flickers"), ((0, 4), "time stamps that are off")] {
+        for (pair, what) in [((6, 7), "a light that flickers"), ((0, 4), "timestamps that are off")] {
             let all = signals();
             let told = shared_by(Together { signals: pair, correlation: -0.7 }, &all);
             assert_eq!(told.signal, all[pair.0].name);

@@ -1,5 +1,5 @@
 //! A lens that has a law of place which no candidate gives: each such law is held against what the model with its effects leaves of the
-//! circles, beside these effects. Several effects may imitate one, each of them sure, and leave less of it than a gap shows.
+//! circles, beside these effects. Several effects may stand for one, each of them sure, and leave less of it than a gap shows.
 
 use super::torque_shape::nearest;
 use super::{Found, Judgement};
@@ -59,7 +59,7 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     Judgement::Unknown(unknown)
 }
 
-/// Whether all that is on are laws of place by themselves, so that what imitates them is asked for here.
+/// Whether all that is on are laws of place by themselves, so that what they may stand for is asked for here.
 pub(super) fn are_laws_of_place(active: &[usize], list: &[Candidate]) -> bool {
     active
         .iter()

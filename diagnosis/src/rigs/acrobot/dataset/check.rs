@@ -1,7 +1,7 @@
 //! Checks of one run after its files were read: length, units, what the rows are good for.
 
 use super::angles::{far_apart, glitches, unwrapped};
-use super::images::{pictures, tells_poses};
+use super::images::{self, tells_poses};
 use super::impossible_cells;
 use super::row_times::typical_gap;
 use super::timestamps::{self, Moved};
@@ -34,11 +34,11 @@ pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
     quantised::tell(run, notices);
 }
 
-/// Puts aside what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers which
+/// Excludes what can't be used. `falling` are the rates (rad/s) that gravity gives each link of the nominal model. Answers which
 /// clock is known from the motion alone.
-pub fn put_aside(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
+pub fn exclude(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) -> Option<Moved> {
     let commanded = run.controller.is_some();
-    put_tables_aside(run, notices);
+    exclude_tables(run, notices);
     let moved = timestamps::joined(run, notices);
     check_torque(run, notices);
     if let Some(plant) = &run.plant {
@@ -52,13 +52,13 @@ pub fn put_aside(run: &mut Run, falling: [f64; 2], notices: &mut Vec<Notice>) ->
     }
     unwrap_angles(run, notices);
     rates::exclude(run, notices);
-    pictures(run, notices);
+    images::exclude(run, notices);
     uncovered::tell(run, notices);
     moved
 }
 
-/// Puts tables aside that can't be used whatever they hold.
-fn put_tables_aside(run: &mut Run, notices: &mut Vec<Notice>) {
+/// Excludes tables that can't be used whatever they hold.
+fn exclude_tables(run: &mut Run, notices: &mut Vec<Notice>) {
     for (table, file, fewest) in [
         (&mut run.camera, "camera.csv", POLICY.rows),
         (&mut run.controller, "controller.csv", LOGS.fewest_torques),
@@ -72,7 +72,7 @@ fn put_tables_aside(run: &mut Run, notices: &mut Vec<Notice>) {
     }
 }
 
-/// Puts a log of torques aside in which none of the joint is known. Where link 1 alone is driven, the joint's is 0.
+/// Excludes a log of torques in which none of the joint is known. Where link 1 alone is driven, the joint's is 0.
 fn check_torque(run: &mut Run, notices: &mut Vec<Notice>) {
     let Some(controller) = &mut run.controller else { return };
     let mut notice = |message: &str| {

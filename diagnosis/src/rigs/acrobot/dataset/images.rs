@@ -5,6 +5,7 @@ use super::{Run, Table};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures, measuring};
 use crate::rigs::acrobot::dataset::policy::LOGS;
+use crate::statistics::median::median;
 
 /// Circles 2 and 3 tell a pose: where circle 1 is then, the angles say.
 const JOINT_AND_TIP: [&str; 4] = ["u2", "v2", "u3", "v3"];
@@ -20,8 +21,8 @@ fn compared() -> impl Iterator<Item = &'static str> {
     CHANNELS.iter().filter(own).map(|channel| channel.column)
 }
 
-/// Tells what a log lacks, and puts aside what says nothing beside the run's other logs.
-pub(super) fn pictures(run: &mut Run, notices: &mut Vec<Notice>) {
+/// Tells what a log lacks, and excludes what says nothing beside the run's other logs.
+pub(super) fn exclude(run: &mut Run, notices: &mut Vec<Notice>) {
     let file = format!("{}/camera.csv", run.name);
     let Some(camera) = &mut run.camera else { return };
     if let Some((row, count)) = taken_for_another(camera) {
@@ -46,10 +47,7 @@ fn taken_for_another(camera: &mut Table) -> Option<(usize, usize)> {
     let heights = ["v1", "v2", "v3"].map(|name| camera.column(name).map(<[f64]>::to_vec));
     let [Some(first), Some(second), Some(third)] = heights else { return None };
     // before anything is confused: it stays so, where the arm then lies
-    let mut sorted: Vec<f64> =
-        first.iter().copied().filter(|height| height.is_finite()).take(LOGS.first).collect();
-    sorted.sort_by(f64::total_cmp);
-    let line = *sorted.get(sorted.len() / 2)?;
+    let line = median(first.iter().copied().filter(|height| height.is_finite()).take(LOGS.first))?;
     let on_line = |height: f64| (height - line).abs() < LOGS.on_line;
     let wrong = |row: &usize| {
         (first[*row] - line).abs() > LOGS.off_line && (on_line(second[*row]) || on_line(third[*row]))

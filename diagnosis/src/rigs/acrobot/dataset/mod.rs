@@ -170,7 +170,7 @@ pub struct DataSet {
     /// Rows of plant logs may be stamped late by this much, s: as far as their timestamps scatter.
     pub late_by_hand: f64,
     /// Nothing but the motion tells how late images are in some run: a delay of theirs can't be told from their clock.
-    pub pictures_apart: bool,
+    pub frames_apart: bool,
     /// Times of the frames of runs, by name, whose camera found its circles in none of them.
     pub blind: BTreeMap<String, Vec<f64>>,
 }
@@ -218,14 +218,14 @@ impl Reading {
         &self.manifest.stated.given
     }
 
-    /// Puts aside what can't be used.
+    /// Excludes what can't be used.
     ///
     /// # Errors
     /// No run is usable.
     pub(crate) fn checked(self) -> Result<DataSet, Error> {
         let Self { path, manifest, nominal, runs: read, mut notices } = self;
         check::tell_constant_torques(&read, &mut notices);
-        let (mut clocks_apart, mut pictures_apart) = (false, false);
+        let (mut clocks_apart, mut frames_apart) = (false, false);
         let (mut runs, mut blind) = (Vec::new(), BTreeMap::new());
         for mut run in read {
             if manifest.stated.gaps_known == Some(false) {
@@ -234,7 +234,7 @@ impl Reading {
             let nothing_to_compare = run.camera.is_none() && run.plant.is_none();
             let none = images::sees_nothing(&run);
             let commanded = run.controller.is_some();
-            let moved = check::put_aside(&mut run, nominal.falling, &mut notices);
+            let moved = check::exclude(&mut run, nominal.falling, &mut notices);
             if manifest.stated.gaps_known != Some(true) {
                 let file = if commanded { "controller.csv" } else { "plant.csv" };
                 lost_rows::mark_lost_rows(&mut run, file, &mut notices);
@@ -246,7 +246,7 @@ impl Reading {
                 notices.push(empty(&path, &run.name));
             }
             clocks_apart |= moved == Some(Moved::Angles);
-            pictures_apart |= moved == Some(Moved::Pictures);
+            frames_apart |= moved == Some(Moved::Frames);
             if run.camera.is_some() || run.plant.is_some() {
                 runs.push(run);
             }
@@ -255,7 +255,7 @@ impl Reading {
             return Err(Error::NothingUsable { path, notices });
         }
         let late_by_hand = 0.0;
-        Ok(DataSet { path, manifest, runs, notices, clocks_apart, late_by_hand, pictures_apart, blind })
+        Ok(DataSet { path, manifest, runs, notices, clocks_apart, late_by_hand, frames_apart, blind })
     }
 }
 
@@ -314,7 +314,7 @@ impl DataSet {
     ///
     /// # Errors
     /// Nothing is left.
-    pub fn without_pictures(&mut self, why: &str) -> Result<(), Error> {
+    pub fn without_images(&mut self, why: &str) -> Result<(), Error> {
         for run in &mut self.runs {
             if run.camera.take().is_some() {
                 let file = format!("{}/camera.csv", run.name);
@@ -322,7 +322,7 @@ impl DataSet {
             }
         }
         self.runs.retain(|run| run.plant.is_some());
-        self.pictures_apart = false;
+        self.frames_apart = false;
         let notices = self.notices.clone();
         if self.runs.is_empty() {
             Err(Error::NothingUsable { path: self.path.clone(), notices })

@@ -4,6 +4,7 @@ use super::{Run, Table};
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::MIDDLE;
+use crate::statistics::median::median;
 
 /// Median time between rows, s.
 pub fn typical_gap(log: &Table) -> Option<f64> {
@@ -14,10 +15,8 @@ pub fn typical_gap(log: &Table) -> Option<f64> {
 pub fn unevenness(time: &[f64]) -> f64 {
     let Some((typical, gaps)) = typical_gaps(time) else { return 0.0 };
     // neighbours: a clock that drifts, or lost rows, don't count
-    let mut off: Vec<f64> = gaps.iter().map(|gap| (gap - typical).abs()).collect();
-    off.sort_by(f64::total_cmp);
-    let median = off[off.len() / 2];
-    let sigma = median / MIDDLE / std::f64::consts::SQRT_2;
+    let Some(off) = median(gaps.iter().map(|gap| (gap - typical).abs())) else { return 0.0 };
+    let sigma = off / MIDDLE / std::f64::consts::SQRT_2;
     if sigma < 0.5 * typical { sigma } else { 0.0 }
 }
 

@@ -16,12 +16,12 @@ pub enum Moved {
     /// The plant's log: a torque that is stamped as images are can still tell.
     Angles,
     /// The images.
-    Pictures,
+    Frames,
 }
 
 /// Sets the logs of a run to one time, or puts aside what has none in common with the others.
 pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
-    let moved = pictures(run, notices);
+    let moved = frames(run, notices);
     let others = [("plant.csv", &run.plant), ("camera.csv", &run.camera)];
     let other = others.into_iter().find_map(|(file, log)| log.as_ref().map(|log| (file, span(log))));
     if let (Some(torque), Some((file, (from, to)))) = (&run.controller, other) {
@@ -40,7 +40,7 @@ pub fn joined(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
 
 /// Corrects the timestamps of images and encoders that are off against each other, by the motion that both show; where no shift makes them
 /// agree, puts one log aside.
-fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
+fn frames(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     let (plant, camera) = (run.plant.as_ref()?, run.camera.as_ref()?);
     if plant.is_empty() || camera.is_empty() {
         return None;
@@ -76,7 +76,7 @@ fn pictures(run: &mut Run, notices: &mut Vec<Notice>) -> Option<Moved> {
     ));
     log.iter_mut().flat_map(|log| &mut log.time).for_each(|time| *time -= by);
     // without a torque there is no third clock, and it is the same which one is moved
-    Some(if keeps_plant || torque.is_none() { Moved::Pictures } else { Moved::Angles })
+    Some(if keeps_plant || torque.is_none() { Moved::Frames } else { Moved::Angles })
 }
 
 /// First and last time of a log, s.

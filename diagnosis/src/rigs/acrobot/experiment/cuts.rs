@@ -53,7 +53,7 @@ impl<'a> Cuts<'a> {
             let plant = plant.filter(shows);
             all.extend(plant.map(|cut| (Box::new(Tracked::new(cut)) as Box<Tracked>, 1.0)));
         }
-        if logs.encoders && logs.picture && filmed {
+        if logs.encoders && logs.images && filmed {
             let sigma = POLICY.motion_share * question.noise.of("plant.q1", true);
             let pose = Pose::Logged(vec![trial.motion.clone()], sigma);
             let frames: usize =

@@ -90,7 +90,6 @@ pub struct Question<'a> {
     noise: Noise,
     discrepancy_sd: f64,
     units: &'a UnitPath,
-    simulated: Simulated,
 }
 
 impl Question<'_> {
@@ -122,8 +121,7 @@ pub fn next<'a>(
         encoders: Logs::of(data).encoders,
     };
     let discrepancy_sd = found.map(|(study, _, _)| study.last.discrepancy_sd).fold(0.0, f64::max);
-    let simulated = Simulated::default();
-    let question = Question { data, model, list, point, members, noise, discrepancy_sd, units, simulated };
+    let question = Question { data, model, list, point, members, noise, discrepancy_sd, units };
     choice(&question)
 }
 
@@ -144,14 +142,15 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     let weights = question.weights();
     let likely = (0..weights.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
     let (mut tried, mut failed) = (Vec::new(), Vec::new());
+    let simulated = &mut Simulated::default();
     for entry in CATALOGUE {
-        match simulate_with_one(question, entry, likely) {
+        match simulate_with_one(question, entry, likely, simulated) {
             Ok(one) => tried.extend(one),
             Err(problem) => failed.push((entry, problem.to_string())),
         }
     }
     // what can't be simulated can't be checked either
-    let same = simulate_with_one(question, &AGAIN, likely).ok().flatten();
+    let same = simulate_with_one(question, &AGAIN, likely, simulated).ok().flatten();
     // the tolerance of renderers does not become less with more images
     let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
     let plain: BTreeMap<&str, Losses> =
@@ -165,7 +164,8 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     tried.iter_mut().for_each(weigh);
     choose::sort(&mut tried, &weights);
     for one in tried.iter_mut().take(DESIGN.finalists) {
-        match simulate_with_each(question, one.entry, likely, plain[one.entry.name].clone()) {
+        let losses = plain[one.entry.name].clone();
+        match simulate_with_each(question, one.entry, likely, losses, simulated) {
             Ok(losses) => *one = Tried { entry: one.entry, losses, times: 1.0 },
             Err(problem) => {
                 failed.push((one.entry, problem.to_string()));
@@ -177,20 +177,26 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     tried.retain(|one| failed.iter().all(|(entry, _)| entry.name != one.entry.name));
     choose::sort(&mut tried, &weights);
     let Some(best) = tried.first() else { return (None, None) };
-    let all = tried.iter().chain(&same);
-    let mut separation: Vec<Separation> = all.map(|one| choose::line(one, question)).collect();
-    separation.extend(failed.into_iter().map(|(entry, problem)| Separation {
+    let mut separation: Vec<Separation> =
+        tried.iter().chain(&same).map(|one| choose::line(one, question)).collect();
+    separation.extend(failed.into_iter().map(not_simulated));
+    let text = text(question, best).ok();
+    let planned = planned(question, best.entry, simulated).ok();
+    (Some(NextExperiment { planned, ..told_next(question, best, separation, text.is_some()) }), text)
+}
+
+/// An experiment that could not be simulated, and why.
+fn not_simulated((entry, problem): (&Experiment, String)) -> Separation {
+    Separation {
         experiment: entry.name.to_owned(),
         loss: None,
         pair: Vec::new(),
         certainty: None,
         problem: Some(problem),
-    }));
-    let text = text(question, best).ok();
-    (Some(told_next(question, best, separation, text.is_some())), text)
+    }
 }
 
-/// The chosen experiment as the diagnosis tells it, with what all would separate, and its scenario's file if it has one.
+/// The chosen experiment as the diagnosis tells it, with what all would separate, and its scenario's file if it has one; without graphs.
 fn told_next(
     question: &Question<'_>,
     best: &Tried,
@@ -207,7 +213,7 @@ fn told_next(
         leaves_open: groups.iter().filter(|group| group.len() > 1).map(|group| names(group)).collect(),
         separation,
         told: DESIGN.told,
-        planned: planned(question, best.entry).ok(),
+        planned: None,
     }
 }
 
@@ -224,13 +230,17 @@ const LOGGED: [(&str, &str, &str); 7] = [
 ];
 
 /// The experiment as graphs: what drives the arm with the best guess, and what each member would give.
-fn planned(question: &Question<'_>, entry: &'static Experiment) -> Result<Planned, Error> {
+fn planned(
+    question: &Question<'_>,
+    entry: &'static Experiment,
+    simulated: &mut Simulated,
+) -> Result<Planned, Error> {
     let prepared = prepare(question.data, question.model, entry)?;
     let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;
     let bench = Bench::new(question, &prepared)?;
     let members = 0..question.members.len().min(EXPERIMENTS.members);
     let runs: Vec<(usize, Run)> =
-        members.map(|truth| Ok((truth, bench.logged(truth)?))).collect::<Result<_, Error>>()?;
+        members.map(|truth| Ok((truth, bench.logged(truth, simulated)?))).collect::<Result<_, Error>>()?;
     let course = |table: Option<&Table>, name: &str| -> Option<Vec<(f64, f64)>> {
         let table = table?;
         let rows = table.time.iter().copied().zip(table.column(name)?.iter().copied());
@@ -269,9 +279,10 @@ fn simulate_with_one(
     question: &Question<'_>,
     entry: &'static Experiment,
     truth: usize,
+    simulated: &mut Simulated,
 ) -> Result<Option<Tried>, Error> {
     let Some(prepared) = prepare(question.data, question.model, entry)? else { return Ok(None) };
-    let losses = Bench::new(question, &prepared)?.losses(truth)?;
+    let losses = Bench::new(question, &prepared)?.losses(truth, simulated)?;
     Ok(Some(Tried { entry, losses, times: 1.0 }))
 }
 
@@ -281,6 +292,7 @@ fn simulate_with_each(
     entry: &'static Experiment,
     likely: usize,
     mut losses: Losses,
+    simulated: &mut Simulated,
 ) -> Result<Losses, Error> {
     let prepared = prepare(question.data, question.model, entry)?;
     let prepared = prepared.ok_or_else(|| Error::Model("there is nothing to do".into()))?;
@@ -289,7 +301,7 @@ fn simulate_with_each(
     // in a large class, the improbable ones keep the row that the columns of the most probable one give
     rivals.sort_by(|a, b| question.members[*b].weight.total_cmp(&question.members[*a].weight));
     for truth in rivals.into_iter().take(DESIGN.truths) {
-        losses[truth] = bench.losses(truth)?.swap_remove(truth);
+        losses[truth] = bench.losses(truth, simulated)?.swap_remove(truth);
     }
     Ok(losses)
 }
@@ -301,7 +313,7 @@ fn text(question: &Question<'_>, chosen: &Tried) -> Result<String, Error> {
         prepared.ok_or_else(|| Error::Model("the experiment has no scenario".into()))?;
     let resolved = Simulation::new(&scenario, question.units).map_err(refused)?.resolved();
     let mut log = vec!["controller.tau or plant.tau"];
-    log.extend(logs.picture.then_some("the camera's centroids and areas"));
+    log.extend(logs.images.then_some("the camera's centroids and areas"));
     log.extend(logs.encoders.then_some("plant.q1, plant.q2"));
     log.extend(logs.torque.then_some("plant.tau_applied"));
     let often = logs.rate.map_or_else(String::new, |rate| format!(" ({rate} times a second)"));

@@ -46,13 +46,13 @@ impl Tables {
     ///
     /// # Errors
     /// The scenario has no plant.
-    pub fn put(&self, scenario: &mut Scenario, picture: bool) -> Result<(), Error> {
+    pub fn put(&self, scenario: &mut Scenario, images: bool) -> Result<(), Error> {
         if let Some((shape, points)) = &self.desired {
             feed(scenario, "controller.z_desired", *shape, points.clone());
         }
         if let Some([joint, link]) = &self.torques {
             // driven from outside: nothing is in the loop, and nobody looks unless there is a camera
-            let kept = |name: &str| name == "plant" || (picture && name == "camera");
+            let kept = |name: &str| name == "plant" || (images && name == "camera");
             let unit = |variable: &str| variable.split('.').next().unwrap_or_default().to_owned();
             scenario.units.retain(|entry| kept(&entry.name));
             scenario.connections.retain(|entry| kept(&unit(&entry.from)) && kept(&unit(&entry.to)));

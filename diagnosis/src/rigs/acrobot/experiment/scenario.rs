@@ -16,7 +16,7 @@ use orchestrator::{Place, Scenario};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logs {
     /// Centroids and areas.
-    pub picture: bool,
+    pub images: bool,
     /// Joint angles.
     pub encoders: bool,
     /// `tau_applied`.
@@ -31,8 +31,8 @@ impl Logs {
         let plant = |name: &str| {
             data.runs.iter().any(|run| run.plant.as_ref().is_some_and(|log| log.column(name).is_some()))
         };
-        let picture = data.runs.iter().any(|run| run.camera.is_some());
-        Self { picture, encoders: plant("q1"), torque: plant("tau_applied"), rate: None }
+        let images = data.runs.iter().any(|run| run.camera.is_some());
+        Self { images, encoders: plant("q1"), torque: plant("tau_applied"), rate: None }
     }
 
     fn place(&mut self, log: Log) -> &mut bool {
@@ -99,12 +99,12 @@ pub fn prepare(data: &DataSet, model: &Model, entry: &Experiment) -> Result<Opti
     let blind = now.rate.is_some() && (!now.encoders || there);
     let filmed = set.iter().any(|(name, _)| name.starts_with("camera."));
     let idle = (entry.rig != Rig::Any && entry.rig != rig) || (only_logs && more && now == logs);
-    if idle || blind || (filmed && !now.picture) {
+    if idle || blind || (filmed && !now.images) {
         return Ok(None);
     }
     let tables = moved.unwrap_or_else(|| motion::repeated(data, rig));
     let repeats = tables.repeats(data);
-    tables.put(&mut scenario, now.picture)?;
+    tables.put(&mut scenario, now.images)?;
     let set: Vec<(String, f64)> = set.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     for (name, value) in &set {
         let counted = |entry: &Entry| entry.name == name && matches!(entry.motion, Motion::Count { .. });

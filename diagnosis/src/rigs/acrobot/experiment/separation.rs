@@ -14,7 +14,7 @@
 
 use super::cuts::Cuts;
 use super::scenario::{Prepared, refused};
-use super::simulate::{Trial, simulate};
+use super::simulate::{Simulated, Trial, simulate};
 use super::{Member, Question};
 use crate::error::Error;
 use crate::rigs::acrobot::amend::written;
@@ -81,8 +81,8 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// The experiment can't be simulated.
-    pub fn losses(&self, truth: usize) -> Result<Losses, Error> {
-        let (point, mut cuts) = self.cuts(truth)?;
+    pub fn losses(&self, truth: usize, simulated: &mut Simulated) -> Result<Losses, Error> {
+        let (point, mut cuts) = self.cuts(truth, simulated)?;
         self.linear(&mut cuts, &point)
     }
 
@@ -99,8 +99,8 @@ impl<'a> Bench<'a> {
     }
 
     /// The experiment, simulated with one member and cut.
-    fn cuts(&self, truth: usize) -> Result<(Vec<f64>, Cuts<'_>), Error> {
-        let (point, trial, repeats) = self.trial(truth)?;
+    fn cuts(&self, truth: usize, simulated: &mut Simulated) -> Result<(Vec<f64>, Cuts<'_>), Error> {
+        let (point, trial, repeats) = self.trial(truth, simulated)?;
         let logged = (self.prepared.logs, repeats);
         let cuts = Cuts::new(self.question, (&self.model, self.list.clone()), trial, logged)?;
         Ok((point, cuts))
@@ -110,13 +110,13 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// The experiment can't be simulated.
-    pub fn logged(&self, truth: usize) -> Result<Run, Error> {
-        let (_, trial, _) = self.trial(truth)?;
+    pub fn logged(&self, truth: usize, simulated: &mut Simulated) -> Result<Run, Error> {
+        let (_, trial, _) = self.trial(truth, simulated)?;
         trial.data.runs.into_iter().next().ok_or_else(|| Error::Model("the experiment has no run".into()))
     }
 
     /// The point at which one member is on, the experiment simulated there, and how often it stands for its run.
-    fn trial(&self, truth: usize) -> Result<(Vec<f64>, Trial, f64), Error> {
+    fn trial(&self, truth: usize, simulated: &mut Simulated) -> Result<(Vec<f64>, Trial, f64), Error> {
         let point = self.point(truth);
         let values: Vec<(String, String)> = (0..point.len())
             .filter(|index| point[*index] != self.list[*index].off)
@@ -135,8 +135,7 @@ impl<'a> Bench<'a> {
             prepared.scenario.set_stop(&DESIGN.short.to_string()).map_err(refused)?;
             prepared.repeats *= length / DESIGN.short;
         }
-        let trial =
-            simulate(&prepared, &values, self.question.data, self.question.units, &self.question.simulated)?;
+        let trial = simulate(&prepared, &values, self.question.data, self.question.units, simulated)?;
         Ok((point, trial, prepared.repeats))
     }
 

@@ -12,7 +12,6 @@ use crate::rigs::acrobot::residual::studio::COLUMNS;
 use crate::rigs::acrobot::residual::trajectory::Motion;
 use orchestrator::time::Rational;
 use orchestrator::{MemoryRecorder, Quiet, Simulation, UnitPath};
-use std::cell::RefCell;
 use std::rc::Rc;
 
 /// One simulated run.
@@ -28,22 +27,22 @@ type Run = (Vec<Change>, Rational, Vec<(String, String)>);
 
 /// Runs that were simulated already: experiments may differ in what is logged alone.
 #[derive(Default)]
-pub struct Simulated(RefCell<Vec<(Run, Rc<Recorded>)>>);
+pub struct Simulated(Vec<(Run, Rc<Recorded>)>);
 
 impl Simulated {
     /// Runs an experiment with some values set, unless the very same was run before.
     fn run(
-        &self,
+        &mut self,
         prepared: &Prepared,
         values: &[(String, String)],
         units: &UnitPath,
     ) -> Result<Rc<Recorded>, Error> {
         let run = (prepared.moves.clone(), prepared.scenario.stop, values.to_vec());
-        if let Some((_, known)) = self.0.borrow().iter().find(|known| known.0 == run) {
+        if let Some((_, known)) = self.0.iter().find(|known| known.0 == run) {
             return Ok(known.clone());
         }
         let made = Rc::new(recorded(prepared, values, units)?);
-        self.0.borrow_mut().push((run, made.clone()));
+        self.0.push((run, made.clone()));
         Ok(made)
     }
 }
@@ -84,7 +83,7 @@ pub fn simulate(
     values: &[(String, String)],
     like: &DataSet,
     units: &UnitPath,
-    simulated: &Simulated,
+    simulated: &mut Simulated,
 ) -> Result<Trial, Error> {
     let log = simulated.run(prepared, values, units)?;
     if let Some(row) = log.series("plant.contact")?.iter().position(|contact| *contact > 0.5) {
@@ -96,7 +95,7 @@ pub fn simulate(
     if let Some(time) = log.goes_round()?.filter(|_| !log.controlled) {
         return Err(Error::Model(format!("a link goes round after {time:.1} s")));
     }
-    let camera = if log.filmed && prepared.logs.picture { Some(log.camera()?) } else { None };
+    let camera = if log.filmed && prepared.logs.images { Some(log.camera()?) } else { None };
     if camera.as_ref().is_some_and(Table::is_empty) {
         return Err(Error::Model("the camera unit finds its circles in none of the frames".into()));
     }
@@ -116,7 +115,7 @@ pub fn simulate(
         notices: Vec::new(),
         clocks_apart: false,
         late_by_hand: 0.0,
-        pictures_apart: false,
+        frames_apart: false,
         blind: std::collections::BTreeMap::new(),
     };
     Ok(Trial { data, motion: log.motion()? })

@@ -128,17 +128,17 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         notices: Vec::new(),
         clocks_apart: false,
         late_by_hand: 0.0,
-        pictures_apart: false,
+        frames_apart: false,
         blind: std::collections::BTreeMap::new(),
     };
     let units = scenarios::unit_path();
     let model = Model::load(&empty, &units).expect("cargo xtask pack was run");
     let mut scenario = model.scenario.clone();
     scenario.set_stop("15").expect("a time");
-    let logs = Logs { picture: true, encoders, torque: false, rate: None };
+    let logs = Logs { images: true, encoders, torque: false, rate: None };
     let prepared = Prepared { scenario, set: Vec::new(), logs, repeats: 1.0, moves: Vec::new() };
     let hidden = [(hidden.0.to_owned(), hidden.1.to_owned())];
-    let trial = simulate(&prepared, &hidden, &empty, &units, &Simulated::default());
+    let trial = simulate(&prepared, &hidden, &empty, &units, &mut Simulated::default());
     (trial.expect("it runs").data, model)
 }
 
@@ -161,7 +161,6 @@ fn proposed(data: &DataSet, model: &Model, class: &[(&str, f64)]) -> NextExperim
         noise,
         discrepancy_sd: 0.0,
         units: &units,
-        simulated: Simulated::default(),
     };
     let (next, text) = choice(&question);
     let text = text.expect("its scenario");

@@ -15,6 +15,7 @@ use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::median::median;
 use orchestrator::Value;
 use orchestrator::time::Rational;
 
@@ -216,9 +217,7 @@ fn usable(run: &Run, plant: &Table, contact: f64) -> Vec<usize> {
 
 /// Usual distance of rows, s.
 fn usual(rows: &[usize], plant: &Table) -> f64 {
-    let mut gaps: Vec<f64> = rows.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]]).collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(RESIDUAL.step)
+    median(rows.windows(2).map(|pair| plant.time[pair[1]] - plant.time[pair[0]])).unwrap_or(RESIDUAL.step)
 }
 
 /// Stretches without a gap in which the torque is known.

@@ -11,7 +11,7 @@ use super::policy::PIPELINE;
 use super::torque_scale::tell_torque_scale;
 use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
 use crate::error::{Error, Notice};
-use crate::overlay::Channel;
+use crate::overlay::Overlaid;
 use crate::provenance::Provenance;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::check::{Found, Judged, drifting, is_of_angles, judged, torque_shape};
@@ -114,12 +114,8 @@ impl Conclusion {
         if judged.model_stands {
             add_detectable(part, list, &free, &logs.doubts, &mut self.smallest);
         }
-        if !part.coarse.is_empty() {
-            self.story.push(story::of_coarse(&part.coarse, list));
-        }
         let left = judged.unknown.as_ref();
-        self.story.extend(story::of_study(&part.study, list, &gap, left));
-        self.story.extend(story::of_gone(&part.coarse, &part.study, list));
+        self.tell_search(part, list, &gap, left);
         let mut trace = residual_places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
         self.places.extend(own);
         if judged.withdrawn {
@@ -140,9 +136,22 @@ impl Conclusion {
         }
         self.gaps.push(gap);
         self.traces.push(trace);
-        // torques that seem to lack are those angles'
-        let first = self.unknown.take().filter(|_| !judged.unknown.as_ref().is_some_and(is_of_angles));
-        self.unknown = first.or(judged.unknown);
+        self.note_unknown(judged.unknown);
+    }
+
+    /// What a cut lacks without a name beside what those before it did: torques that seem to lack are those of angles.
+    fn note_unknown(&mut self, left: Option<Unknown>) {
+        let first = self.unknown.take().filter(|_| !left.as_ref().is_some_and(is_of_angles));
+        self.unknown = first.or(left);
+    }
+
+    /// Tells how a cut was searched.
+    fn tell_search(&mut self, part: &Part, list: &[Candidate], gap: &Gap, left: Option<&Unknown>) {
+        if !part.coarse.is_empty() {
+            self.story.push(story::of_coarse(&part.coarse, list));
+        }
+        self.story.extend(story::of_study(&part.study, list, gap, left));
+        self.story.extend(story::of_gone(&part.coarse, &part.study, list));
     }
 
     /// Names what was found on a cut; beside something without a name, or where time was up, each is less sure.
@@ -286,7 +295,7 @@ impl Conclusion {
         gap: Gap,
         verdict: Verdict,
         (next_experiment, experiment): (Option<NextExperiment>, Option<String>),
-        (amended, channels): (String, Vec<Channel>),
+        (amended, channels): (String, Vec<Overlaid>),
     ) -> Diagnosis {
         Diagnosis {
             provenance: Provenance::of(&rig.data),
@@ -315,7 +324,7 @@ impl Conclusion {
 }
 
 /// Measured, nominal and amended of what a part compares, with the model that saw all runs.
-fn courses(part: &Part, data: &DataSet) -> Vec<Channel> {
+fn courses(part: &Part, data: &DataSet) -> Vec<Overlaid> {
     let blocks = (part.study.nominal.blocks.as_slice(), part.study.last.blocks.as_slice());
     overlay::channels(blocks, &part.signals, data, false)
 }

@@ -13,7 +13,7 @@ use super::fit_correction::fit_correction;
 use super::policy::PIPELINE;
 use crate::diagnosis::{Correction, Diagnosis, Gap};
 use crate::error::Error;
-use crate::overlay::Channel;
+use crate::overlay::Overlaid;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::correction;
 use crate::rigs::acrobot::dataset::{DataSet, Span};
@@ -38,7 +38,7 @@ pub(super) struct HeldOut {
     /// For each repeated search the runs that were left out, and the names that it found.
     pub(super) found: Vec<(String, Vec<String>)>,
     /// Measured, nominal and amended of the last run, by the model that never saw it.
-    channels: Vec<Channel>,
+    channels: Vec<Overlaid>,
 }
 
 /// What a diagnosis found, and how its parts were compared.
@@ -132,7 +132,7 @@ struct JudgedFold {
     named: Vec<String>,
     /// Sums of squares of each part.
     sums: Vec<Sums>,
-    channels: Vec<Channel>,
+    channels: Vec<Overlaid>,
 }
 
 /// Searches the runs that are `kept`, beginning with what is known, and judges what was found on those that are `held` back.
@@ -220,7 +220,7 @@ struct Judge<'a> {
     point: &'a [f64],
     correction: Option<&'a Correction>,
     /// Measured, nominal and amended of all that was judged so far.
-    channels: Vec<Channel>,
+    channels: Vec<Overlaid>,
 }
 
 impl Judge<'_> {
@@ -290,7 +290,7 @@ impl Judge<'_> {
         &self,
         cut: &mut Tracked<C>,
         part: &Part,
-    ) -> Result<(Sums, Vec<Channel>), Error> {
+    ) -> Result<(Sums, Vec<Overlaid>), Error> {
         let Rig { data, list, units, .. } = self.rig;
         let nominal = Evaluation::at(cut, &self.rig.nominal_point(), &[])?;
         let mut there = self.point.to_vec();

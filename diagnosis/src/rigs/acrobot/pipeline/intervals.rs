@@ -31,15 +31,15 @@ pub(super) fn ci95(candidate: &Candidate, at: f64, error: Option<f64>) -> [f64; 
     [ends[0].min(ends[1]), ends[0].max(ends[1])]
 }
 
-/// The coordinate of the loosest ceiling that these logs tell from none: the loosest that was tried.
+/// The coordinate of the loosest saturation that these logs tell from none: the loosest that was tried.
 fn loosest(candidate: &Candidate) -> f64 {
     candidate.steps.iter().map(|step| candidate.off + step).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether an interval ends where the logs tell a ceiling from none no more.
+/// Whether an interval ends where the logs tell a saturation from none no more.
 pub(super) fn is_open(candidate: &Candidate, ci95: [f64; 2]) -> bool {
-    let ceiling = matches!(candidate.motion, Motion::Saturation { .. });
-    ceiling && ci95[1] >= candidate.value(loosest(candidate))
+    let saturation = matches!(candidate.motion, Motion::Saturation { .. });
+    saturation && ci95[1] >= candidate.value(loosest(candidate))
 }
 
 /// Standard errors of the continuous active values, each; `None` where nothing tells.
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn value_no_interval_of_a_ceiling_is_nothing() {
+    fn value_no_interval_of_a_saturation_is_nothing() {
         // 1 / 0.5 N·m, known to a fifth
         let within = 0.4 * 1.959_963_984_540_054; // scipy.stats.norm.ppf(0.975)
         let [low, high] = ci95(&saturation(), 2.0, Some(0.4));

@@ -73,10 +73,11 @@ fn lateness(part: &Part, list: &[Candidate], clock: usize) -> Option<(f64, f64, 
 /// What the clock leaves in doubt of a delay and of an exposure beside their own errors: candidates, and standard deviations of
 /// their x. Without a torque that is logged beside the angles there is no clock, and with an actuator's delay nobody knows it.
 pub(super) fn doubts_by_clock(model: &Model, list: &[Candidate], parts: &[Part]) -> Vec<(usize, f64)> {
-    if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
+    if let Some(timestamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
         // the images' clock is free, so that of an exposure its blur alone is known
-        let seen = parts.iter().find(|part| part.study.seen.contains(&stamps));
-        let beside = |exposure: usize| seen?.study.last.covariance(&[exposure, stamps])?.get((0, 0)).copied();
+        let seen = parts.iter().find(|part| part.study.seen.contains(&timestamps));
+        let beside =
+            |exposure: usize| seen?.study.last.covariance(&[exposure, timestamps])?.get((0, 0)).copied();
         let doubt = place(list, Exposure).and_then(|index| Some((index, beside(index)?.sqrt())));
         return doubt.into_iter().collect();
     }
@@ -168,8 +169,8 @@ impl Clocks {
             late = point[clock];
             gone.push(clock);
         }
-        if let Some(stamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
-            gone.push(stamps);
+        if let Some(timestamps) = list.iter().position(|candidate| candidate.side == Side::Timestamps) {
+            gone.push(timestamps);
         }
         if let Some((shown, by)) = early_images(list, point) {
             // one that was found, that is: nothing is the same as a clock that is off by less than `same`

@@ -29,7 +29,7 @@ pub(super) fn prepare<'a>(
 ) -> Result<Rig<'a>, Error> {
     if model.camera.is_none() {
         let scenario = data.manifest.scenario.clone();
-        data.without_pictures(&format!("the scenario `{scenario}` has no unit `camera`"))?;
+        data.without_images(&format!("the scenario `{scenario}` has no unit `camera`"))?;
     }
     let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
     let mut list = candidates(model, &options.without, &|cuts| saturations(&data, cuts, contact));
@@ -38,13 +38,13 @@ pub(super) fn prepare<'a>(
         // what nobody drives has no motor that could be off; one that is told 0 may be
         list.retain(|candidate| !candidate.is(Attribute::Bias));
     }
-    if data.pictures_apart {
+    if data.frames_apart {
         let delay = list.iter_mut().filter(|candidate| candidate.is(Attribute::ImageDelay));
         delay.for_each(|delay| delay.side = Side::Timestamps);
     }
     let logs = data.runs.iter().filter_map(|run| run.plant.as_ref());
     data.late_by_hand = PIPELINE.late_by_hand * logs.map(|log| unevenness(&log.time)).fold(0.0, f64::max);
-    if !seen || data.pictures_apart {
+    if !seen || data.frames_apart {
         // nobody but the camera could tell a log that is stamped late from an actuator's delay: that is named
         believe_clocks(&mut list, data.late_by_hand);
     }

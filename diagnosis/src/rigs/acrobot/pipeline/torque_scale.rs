@@ -144,7 +144,7 @@ pub(super) mod tests {
             notices,
             clocks_apart: false,
             late_by_hand: 0.0,
-            pictures_apart: false,
+            frames_apart: false,
             blind: std::collections::BTreeMap::new(),
         }
     }

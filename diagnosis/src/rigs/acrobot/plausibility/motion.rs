@@ -11,6 +11,7 @@ use crate::rigs::acrobot::plausibility::policy::PLAUSIBLE;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::weak::Weak;
 use crate::statistics::linear::Cell;
+use crate::statistics::median::median;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -149,16 +150,13 @@ fn lacking(data: &DataSet, model: &Model, list: &Arc<Vec<Candidate>>) -> Result<
     let nominal: Vec<f64> = list.iter().map(|candidate| candidate.off).collect();
     let blocks = weak.chord(&nominal, &[])?;
     let typical = |of: &dyn Fn(&Cell, usize) -> f64| {
-        let link =
-            |link| median(blocks.iter().flat_map(|block| &block.cells).map(|cell| of(cell, link)).collect());
+        let link = |link| {
+            median(blocks.iter().flat_map(|block| &block.cells).map(|cell| of(cell, link)))
+                .unwrap_or(f64::INFINITY)
+        };
         f64::hypot(link(0), link(1))
     };
     Ok(Some((typical(&|cell, link| cell.residual[link].abs()), typical(&|cell, link| cell.floor[link]))))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -82,14 +82,14 @@ impl Chain {
         Ok(Some(chain))
     }
 
-    /// Finds how much the stamps of frames scatter, where they stand unevenly: poses are off by their rates times that.
+    /// Finds how much the timestamps of frames scatter, where they stand unevenly: poses are off by their rates times that.
     fn find_jitter(&mut self, point: &[f64]) -> Result<(), Error> {
-        let mut stamps: Vec<Vec<f64>> = Vec::new();
+        let mut timestamps: Vec<Vec<f64>> = Vec::new();
         for frame in &self.image.frames {
-            stamps.resize(stamps.len().max(frame.run + 1), Vec::new());
-            stamps[frame.run].push(frame.time);
+            timestamps.resize(timestamps.len().max(frame.run + 1), Vec::new());
+            timestamps[frame.run].push(frame.time);
         }
-        if stamps.iter().any(|time| unevenness(time) > WINDOWS.jitter) {
+        if timestamps.iter().any(|time| unevenness(time) > WINDOWS.jitter) {
             let from = self.first.clone();
             self.first.windows = self.plant.find_jitter(point, &from)?.windows;
         }

@@ -7,6 +7,7 @@ use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::levels::MIDDLE;
+use crate::statistics::median::median;
 
 /// The motion of a run as its encoders have it, and how well it is known (rad): what rows scatter by about the cubic through
 /// their neighbours, which holds noise and what a spline misses. `None` without angles close enough to each other, or where they
@@ -26,10 +27,8 @@ pub fn motion(run: &Run) -> Option<(Motion, f64)> {
         }
     }
     stretches.retain(|stretch| stretch.len() >= RESIDUAL.fewest);
-    let mut misses: Vec<f64> = stretches.iter().flat_map(|stretch| misses(stretch)).collect();
-    misses.sort_by(f64::total_cmp);
     // of a normal distribution
-    let sigma = misses.get(misses.len() / 2)? / MIDDLE;
+    let sigma = median(stretches.iter().flat_map(|stretch| misses(stretch)))? / MIDDLE;
     let splined = |stretch: &Vec<(f64, [f64; 2])>| {
         let times: Vec<f64> = stretch.iter().map(|row| row.0).collect();
         let rates = [0, 1].map(|angle| rates(stretch, angle));

@@ -6,6 +6,7 @@ use super::Block;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::statistics::levels::MIDDLE;
 use crate::statistics::linear::{Cell, inverse, moved, nuisances};
+use crate::statistics::median::median;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -77,9 +78,7 @@ pub fn deviations(cell: &Cell) -> Vec<f64> {
 /// The largest torque that counts.
 fn limit(torques: &[Torque]) -> f64 {
     let usable = torques.iter().filter(|t| t.floor.iter().all(|f| f.is_finite()));
-    let mut sizes: Vec<f64> = usable.flat_map(|t| t.torque).map(f64::abs).collect();
-    sizes.sort_by(f64::total_cmp);
-    POLICY.wild * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / MIDDLE
+    POLICY.wild * median(usable.flat_map(|t| t.torque).map(f64::abs)).unwrap_or(0.0) / MIDDLE
 }
 
 impl Torque {

@@ -28,6 +28,7 @@ use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::levels::{FEW, HALF, MIDDLE, TASK};
 use crate::statistics::linear::Cell;
 use crate::statistics::linear::RANK_TOLERANCE;
+use crate::statistics::median::median;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use orchestrator::Value;
 use rayon::prelude::*;
@@ -326,10 +327,8 @@ impl Cut for Weak {
 /// Rows far out count less, by link.
 fn count_less(blocks: &mut [Block]) {
     for signal in 0..2 {
-        let mut sizes: Vec<f64> =
-            blocks.iter().flat_map(|block| &block.cells).map(|cell| cell.residual[signal].abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0) / MIDDLE;
+        let sizes = blocks.iter().flat_map(|block| &block.cells).map(|cell| cell.residual[signal].abs());
+        let typical = median(sizes).unwrap_or(1.0) / MIDDLE;
         for cell in blocks.iter_mut().flat_map(|block| &mut block.cells) {
             cell.sigma[signal] *= (cell.residual[signal].abs() / (RESIDUAL.outlying * typical)).max(1.0);
         }

@@ -1,5 +1,5 @@
 //! Circles that scatter together from frame to frame. The noise of a sensor is another at each pixel, so that circles far apart share none of
-//! it: what they share is a light that flickers, a mount that shakes, or a time stamp that is off.
+//! it: what they share is a light that flickers, a mount that shakes, or a timestamp that is off.
 
 use super::ImageCut;
 use super::policy::IMAGES;

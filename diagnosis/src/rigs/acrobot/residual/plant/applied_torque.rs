@@ -28,7 +28,7 @@ pub(super) fn in_doubt(run: &Run, time: f64, reach: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A command that goes up by 0.3 N·m at 0.1 s, beside encoders; stamps that scatter by so much.
+    /// A command that goes up by 0.3 N·m at 0.1 s, beside encoders; timestamps that scatter by so much.
     fn run(scatter: f64) -> Run {
         let time = |row: u32| 0.02 * f64::from(row) + scatter * libm::sin(f64::from(row * row));
         let times = || (0..20).map(time).collect::<Vec<f64>>();
@@ -45,7 +45,7 @@ mod tests {
     fn law_a_torque_is_in_doubt_by_the_changes_that_stamps_may_confuse_it_with() {
         let even = run(0.0);
         assert_eq!((doubt_of_torque(&even), in_doubt(&even, 0.1, doubt_of_torque(&even))), (0.0, 0.0));
-        // rows that were put at ticks: 20 of them, of stamps that scattered by 1 ms
+        // rows that were put at ticks: 20 of them, of timestamps that scattered by 1 ms
         let mut ticks = run(0.0);
         ticks.plant.iter_mut().for_each(|log| log.tick_error = 1e-3 / 10.0_f64.sqrt());
         assert!((super::doubt_of_torque(&ticks) - 1e-2).abs() < 1e-12);

@@ -224,7 +224,7 @@ pub fn torque_jitter(runs: &[Run], part: f64) -> f64 {
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
-/// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each stamp does to the bin.
+/// Mean rate over a bin, divided by the root of its rows: what a second's scatter of each timestamp does to the bin.
 fn rate(base: &[Row], signal: usize, rows: &[usize]) -> f64 {
     let sum: f64 = rows.iter().map(|row| base[*row][2 + signal]).sum();
     sum / (rows.len() as f64).powf(1.5)

@@ -32,7 +32,7 @@ impl Layout {
             let shown: Vec<f64> = window.rows.iter().map(|row| values[*row]).collect();
             let repeats = repeats(&shown);
             let reach = if cut.applied(signal) { cut.reach[window.run] } else { 0.0 };
-            // scattering stamps may put it on either side of a change, and all rows on the same
+            // scattering timestamps may put it on either side of a change, and all rows on the same
             let sure = |place: usize| {
                 applied_torque::in_doubt(run, log.time[window.rows[place]], reach)
                     <= cut.signals[signal].sigma

@@ -14,6 +14,7 @@ use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Perturbation;
 use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::rigs::acrobot::residual::trajectory::{Drive, State, simulate, state_of};
+use crate::statistics::median::median;
 use rayon::prelude::*;
 
 /// Sum of squares of a window's whitened residual.
@@ -34,9 +35,7 @@ fn is_lost(fit: &WindowFit) -> bool {
 /// Mean square of the usual window.
 fn usual_mean_square(found: &[Result<WindowFit, Error>]) -> f64 {
     let means = found.iter().flatten().map(|fit| squares(fit) / rows(fit));
-    let mut each: Vec<f64> = means.filter(|mean| mean.is_finite()).collect();
-    each.sort_by(f64::total_cmp);
-    each.get(each.len() / 2).copied().unwrap_or(f64::INFINITY)
+    median(means.filter(|mean| mean.is_finite())).unwrap_or(f64::INFINITY)
 }
 
 /// Whether more is left in a window than in the `usual` one, by more than noise differs from window to window.

@@ -16,7 +16,7 @@ pub(super) const READ: &str = "dates and times are read as 2026-03-28T23:59:55.5
 
 /// A column of dates, times of day, or both.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Stamps {
+pub(super) struct Timestamps {
     /// At Greenwich where there is a zone. Nothing where the cell is empty.
     at: Vec<Option<NaiveDateTime>>,
     /// Dates stand in it.
@@ -77,7 +77,7 @@ impl Shape {
     }
 }
 
-impl Stamps {
+impl Timestamps {
     /// The cells of a column, empty ones where there is nothing, if each holds a date or a time and all are written alike.
     ///
     /// # Errors
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     fn seconds(cells: &[&str]) -> Result<Option<Vec<f64>>, String> {
-        Ok(Stamps::read(cells)?.map(|stamps| stamps.seconds().values))
+        Ok(Timestamps::read(cells)?.map(|timestamps| timestamps.seconds().values))
     }
 
     #[test]
@@ -172,8 +172,8 @@ mod tests {
 
     #[test]
     fn value_midnight_is_seen_where_no_date_is_written() {
-        let stamps = Stamps::read(&["23:59:59", "00:00:01", "00:00:00.5", "23:00:00", "01:00:00"]);
-        let found = stamps.expect("plain").expect("times").seconds();
+        let timestamps = Timestamps::read(&["23:59:59", "00:00:01", "00:00:00.5", "23:00:00", "01:00:00"]);
+        let found = timestamps.expect("plain").expect("times").seconds();
         // half a second back is a row out of order
         assert_eq!(found.values, [0.0, 2.0, 1.5, 82_801.0, 90_001.0]);
         assert_eq!(found.midnights, [1, 4]);
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn value_dates_in_a_column_of_their_own() {
-        let column = |cells: &[&str]| Stamps::read(cells).expect("plain").expect("stamps");
+        let column = |cells: &[&str]| Timestamps::read(cells).expect("plain").expect("timestamps");
         let days = column(&["03/28/2026", "03/31/2026"]);
         assert!(days.dated && !days.timed);
         assert_eq!(column(&["11:59:58 PM", "12:00:01 AM"]).on(&days).seconds().values, [0.0, 172_803.0]);

@@ -1,6 +1,7 @@
 //! Doubts of what was found on a cut: posterior predictive checks, each a function of what was found and of nothing else, in the
 //! order in which they are asked. To add one, add a file and a line.
 
+mod beside;
 mod changing_value;
 mod circle_beside;
 mod clock_drift;

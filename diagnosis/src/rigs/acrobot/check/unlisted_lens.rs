@@ -1,16 +1,14 @@
 //! A lens that has a law of place which no candidate gives: each such law is held against what the model with its effects leaves of the
 //! circles, beside these effects. Several effects may stand for one, each of them sure, and leave less of it than a gap shows.
 
+use super::beside::surest;
 use super::torque_shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
 use crate::rigs::acrobot::residual::studio::{CENTROIDS, circle_of};
-use crate::rigs::acrobot::residual::{Perturbation, Signal};
-use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::levels::{CERTAIN, ROUNDING};
-use crate::statistics::linear::{Cell, solve, submatrix, subvector};
-use nalgebra::DVector;
+use crate::statistics::linear::Cell;
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// How far a law moves a circle at a place (u, v), px from the image centre: along u and v.
@@ -44,15 +42,16 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     if so_far.is_some() || found.torque {
         return Judgement::Keep;
     }
-    let laws = open(found.list);
-    let Some((words, deviations)) = unlisted(&found.study.last, &found.study.active, found.signals, laws)
+    let study = found.study;
+    let Some((law, deviations)) =
+        surest(&study.last, &study.active, found.signals, open(found.list), &columns)
     else {
         return Judgement::Keep;
     };
     let unknown = Unknown {
         signal: found.signals[CENTROIDS.start].name.clone(),
         depends_on: vec!["u".into(), "v".into()],
-        shape: format!("circles are moved {words} ({:.1} standard deviations)", deviations.abs()),
+        shape: format!("circles are moved {} ({:.1} standard deviations)", LAWS[law].0, deviations.abs()),
         nearest: nearest(found.study, found.list),
         ..Unknown::default()
     };
@@ -73,50 +72,10 @@ fn open(list: &[Candidate]) -> Range<usize> {
     usize::from(terms > 1)..LAWS.len()
 }
 
-/// The law, of these, that the data tell most surely beside the active effects, and by how many standard deviations; nothing where all are
-/// within what noise and renderers leave.
-fn unlisted(
-    at: &Evaluation,
-    active: &[usize],
-    signals: &[Signal],
-    laws: Range<usize>,
-) -> Option<(&'static str, f64)> {
-    let beside = with_laws(at);
-    let (gram, score) = (&beside.total.gram, &beside.total.score);
-    let (own, listed) = (at.places(active), at.perturbations.len());
-    let inner = submatrix(gram, &own);
-    let off = beside.systematic_beside(active, signals);
-    let sure = |law: usize| {
-        let column = listed + law;
-        let across = DVector::from_fn(own.len(), |i, _| gram[(own[i], column)]);
-        let weights = if own.is_empty() { DVector::zeros(0) } else { solve(&inner, &across)? };
-        let length = gram[(column, column)] - weights.dot(&across);
-        let value = (score[column] - weights.dot(&subvector(score, &own))) / length;
-        let told = length > ROUNDING * gram[(column, column)];
-        told.then(|| (LAWS[law].0, value / (1.0 / length + off[column] * off[column]).sqrt()))
-    };
-    let best = laws.filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    best.filter(|(_, deviations)| deviations.abs() > CERTAIN)
-}
-
-/// The same evaluation with a column more for each law.
-fn with_laws(at: &Evaluation) -> Evaluation {
-    let mut beside = at.clone();
-    for cell in beside.blocks.iter_mut().flat_map(|block| &mut block.cells) {
-        let listed = cell.columns.ncols();
-        let mut columns = cell.columns.clone().resize_horizontally(listed + LAWS.len(), 0.0);
-        for row in 0..cell.residual.len() {
-            for (law, moved) in moves(cell, row).into_iter().enumerate() {
-                columns[(row, listed + law)] = moved;
-            }
-        }
-        cell.columns = columns;
-    }
-    // no candidate's
-    beside
-        .perturbations
-        .extend((0..LAWS.len()).map(|law| Perturbation { candidate: usize::MAX - law, by: 1.0 }));
-    beside.with(&at.sigmas)
+/// What each law moves the rows of a frame by.
+fn columns(cell: &Cell) -> DMatrix<f64> {
+    let rows: Vec<[f64; LAWS.len()]> = (0..cell.residual.len()).map(|row| moves(cell, row)).collect();
+    DMatrix::from_fn(rows.len(), LAWS.len(), |row, law| rows[row][law])
 }
 
 /// By how much each law moves what a row measures; nothing where that is no circle's place.
@@ -137,7 +96,7 @@ mod tests {
     use super::*;
 
     /// What is told where a model leaves so much of each law.
-    fn told(sizes: [f64; LAWS.len()]) -> Option<(&'static str, f64)> {
+    fn told(sizes: [f64; LAWS.len()]) -> Option<(usize, f64)> {
         let at = frames(|moment, signal| {
             if !CENTROIDS.contains(&signal) {
                 return 0.0;
@@ -145,7 +104,7 @@ mod tests {
             let at = place(signal, moment.state);
             LAWS.iter().zip(sizes).map(|((_, law), size)| size * law(at)[signal % 2]).sum()
         });
-        unlisted(&at, &[0], &signals(), 0..LAWS.len())
+        surest(&at, &[0], &signals(), 0..LAWS.len(), &columns)
     }
 
     #[test]
@@ -155,8 +114,8 @@ mod tests {
         for (law, power) in powers.into_iter().enumerate() {
             let mut sizes = [0.0; LAWS.len()];
             sizes[law] = 0.1 / 200_f64.powi(power);
-            let (words, deviations) = told(sizes).expect("900 frames of 0.025 px");
-            assert_eq!(words, LAWS[law].0);
+            let (found, deviations) = told(sizes).expect("900 frames of 0.025 px");
+            assert_eq!(found, law);
             assert!(deviations > 10.0, "{deviations}");
         }
         assert_eq!(told([0.0; LAWS.len()]), None);

@@ -3,7 +3,7 @@
 
 use crate::rigs::acrobot::residual::{Perturbation, Signal};
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::levels::{CERTAIN, ROUNDING};
+use crate::statistics::levels::ROUNDING;
 use crate::statistics::linear::{Cell, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -11,8 +11,7 @@ use std::ops::Range;
 /// What each of some laws changes a cell's rows by, for a size of 1: a column a law.
 pub(super) type Columns<'a> = &'a dyn Fn(&Cell) -> DMatrix<f64>;
 
-/// The law, of these, that the data tell most surely, and by how many standard deviations; nothing where all are within what noise and
-/// renderers leave. A tester's right answers left 2.9 at most, by an analysis of his own, and unlisted laws 3.9 to 39.
+/// The law, of these, that the data tell most surely, and by how many standard deviations, noise and what renderers differ by counted.
 pub(super) fn surest(
     at: &Evaluation,
     active: &[usize],
@@ -34,8 +33,7 @@ pub(super) fn surest(
         let told = length > ROUNDING * gram[(column, column)];
         told.then(|| (law, value / (1.0 / length + off[column] * off[column]).sqrt()))
     };
-    let best = laws.filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    best.filter(|(_, deviations)| deviations.abs() > CERTAIN)
+    laws.filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
 /// The same evaluation with a column more for each law.

@@ -1,7 +1,7 @@
 //! Confounded explanations: named effects that together explain something that none of them is.
 
 use super::torque_shape::nominal_shape;
-use super::unlisted_lens::are_laws_of_place;
+use super::unlisted_lens::{are_laws_of_place, may_stand_for_another};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate};
@@ -22,7 +22,8 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
 /// What the names only stand for, if they do.
 pub(super) fn explained(found: &Found<'_>) -> Option<Unknown> {
     // effects of a lens resemble each other, and are there: the laws that they may stand for are asked for by name
-    if !found.torque && are_laws_of_place(&found.study.active, found.list) {
+    let of_place = !found.torque && are_laws_of_place(&found.study.active, found.list);
+    if of_place && !may_stand_for_another(found) {
         return None;
     }
     confounded(found.study, found.signals, found.list, found.torque)

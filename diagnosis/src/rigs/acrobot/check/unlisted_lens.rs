@@ -26,7 +26,7 @@ const LAWS: [Law; 7] = [
         at.map(|x| x * squared(at).powi(2))
     }),
     ("along the radius, with the seventh power of the distance from the centre", |at| {
-        at.map(|x| x * squared(at).powi(3))
+        at.map(|x| x * squared(at) * squared(at).powi(2))
     }),
     ("along u, with the fourth power of the distance from the centre", |at| [squared(at).powi(2), 0.0]),
     ("along v, with the fourth power of the distance from the centre", |at| [0.0, squared(at).powi(2)]),

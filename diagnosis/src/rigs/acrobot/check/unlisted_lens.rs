@@ -7,6 +7,7 @@ use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Motion, Side};
 use crate::rigs::acrobot::residual::studio::{CENTROIDS, circle_of};
+use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::{CERTAIN, DOUBTED};
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
@@ -48,7 +49,7 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
         return Judgement::Keep;
     };
     let unknown = Unknown {
-        signal: found.signals[CENTROIDS.start].name.clone(),
+        signal: found.signals[most_moved(&found.study.last, law)].name.clone(),
         depends_on: vec!["u".into(), "v".into()],
         shape: format!("circles are moved {} ({:.1} standard deviations)", LAWS[law].0, deviations.abs()),
         nearest: nearest(found.study, found.list),
@@ -62,11 +63,27 @@ fn surest_of(found: &Found<'_>) -> Option<(usize, f64)> {
     surest(&found.study.last, &found.study.active, found.signals, open(found.list), &columns)
 }
 
+/// The signal that a law moves most, in units of its noise.
+fn most_moved(at: &Evaluation, law: usize) -> usize {
+    let mut squares = [0.0; CENTROIDS.end];
+    for cell in at.blocks.iter().flat_map(|block| &block.cells) {
+        for row in (0..cell.residual.len()).filter(|row| CENTROIDS.contains(&cell.signal[*row])) {
+            squares[cell.signal[row]] += (moves(cell, row)[law] / cell.sigma[row]).powi(2);
+        }
+    }
+    CENTROIDS.max_by(|a, b| squares[*a].total_cmp(&squares[*b])).unwrap_or(CENTROIDS.start)
+}
+
 /// Whether effects that look as if they stood for another law do, where all are laws of place: one that nobody lists must show beside them, be it
 /// as little as chance seldom gives. Such effects that are there leave 2.4 standard deviations at most, seen on seven sets; 3.5 where k2, k1
-/// and a scale stood for a seventh power.
+/// and a scale stood for a seventh power. Where no law can be asked for, as of angles that were read off circles, they may.
 pub(super) fn may_stand_for_another(found: &Found<'_>) -> bool {
-    surest_of(found).is_some_and(|(_, deviations)| deviations.abs() > DOUBTED)
+    is_open(surest_of(found))
+}
+
+/// Whether a law that is told so surely leaves it open.
+fn is_open(surest: Option<(usize, f64)>) -> bool {
+    surest.is_none_or(|(_, deviations)| deviations.abs() > DOUBTED)
 }
 
 /// Whether all that is on are laws of place by themselves, so that what they may stand for is asked for here.
@@ -132,6 +149,23 @@ mod tests {
         let (_, none) = told([0.0; LAWS.len()]).expect("all laws are told from noise");
         // the largest of seven
         assert!(none.abs() < DOUBTED, "{none}");
+    }
+
+    #[test]
+    fn law_a_law_is_told_of_a_signal_that_it_moves() {
+        let at = frames(|_, _| 0.0);
+        // along u, and along v
+        assert_eq!([2, 3].map(|law| most_moved(&at, law) % 2), [0, 1]);
+    }
+
+    #[test]
+    fn value_what_resembles_others_is_open_from_three_deviations_on_or_where_nothing_is_told() {
+        assert_eq!([2.9, 3.1, -3.1].map(|deviations| is_open(Some((1, deviations)))), [false, true, true]);
+        assert!(is_open(None));
+        // angles alone, without their circles
+        let mut at = frames(|_, _| 0.0);
+        at.blocks.iter_mut().flat_map(|block| &mut block.cells).for_each(|cell| cell.drawn.clear());
+        assert_eq!(surest(&at, &[0], &signals(), 0..LAWS.len(), &columns), None);
     }
 
     #[test]

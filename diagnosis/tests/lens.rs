@@ -21,10 +21,11 @@ fn recovers_a_lens_whose_terms_nearly_cancel() {
         let of = |effect: &&diagnosis::Effect| effect.class.iter().any(|member| member == name);
         let effect = found.effects.iter().find(of);
         let effect = effect.unwrap_or_else(|| panic!("{name} is not among {:?}", found.effects));
-        // Under another name of its class the number is that parameter's. The renderer is the same on both sides, so that what is off is what
-        // look-alikes take over: k1 and k2 take most of each other, and 5 % is what a class leaves open here.
-        let is_near = (effect.value - value).abs() < 0.05 * value.abs();
-        assert!(is_near || effect.name != name, "{name}: {}", effect.value);
+        assert_eq!(effect.name, name);
+        // the renderer is the same on both sides: four standard deviations, which are twice the half of an interval, and those are 0.2 to 5 %
+        let [low, high] = effect.ci95;
+        let near = (high - low).min(0.05 * value.abs());
+        assert!((effect.value - value).abs() < near, "{name}: {} in {low} to {high}", effect.value);
     }
     assert_eq!(found.effects.len(), truth.len(), "{:?}", found.effects);
 }

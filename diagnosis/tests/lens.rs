@@ -6,7 +6,7 @@ use diagnosis::Verdict;
 #[test]
 fn recovers_a_lens_whose_terms_nearly_cancel() {
     // about what a calibrated webcam has (Logitech C920: k1 0.12, k2 -0.25)
-    let truth = [
+    let truth: [(&str, f64); 5] = [
         ("camera.k1", 0.12),
         ("camera.k2", -0.25),
         ("camera.p1", 0.002),

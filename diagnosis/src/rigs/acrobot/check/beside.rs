@@ -8,22 +8,31 @@ use crate::statistics::linear::{Cell, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// What each of some laws changes a cell's rows by, for a size of 1: a column a law.
-pub(super) type Columns<'a> = &'a dyn Fn(&Cell) -> DMatrix<f64>;
+/// Some laws, by their numbers.
+#[derive(Clone)]
+pub(super) struct Laws<'a> {
+    /// What each changes a cell's rows by, for a size of 1: a column a law.
+    pub(super) columns: &'a dyn Fn(&Cell) -> DMatrix<f64>,
+    /// Those that are asked for.
+    pub(super) asked: Range<usize>,
+    /// Those that may have any size beside them.
+    pub(super) free: Range<usize>,
+}
 
-/// The law, of these, that the data tell most surely, and by how many standard deviations, noise and what renderers differ by counted.
+/// The law that the data tell most surely, and by how many standard deviations, noise and what renderers differ by counted.
 pub(super) fn surest(
     at: &Evaluation,
     active: &[usize],
     signals: &[Signal],
-    laws: Range<usize>,
-    columns: Columns<'_>,
+    laws: &Laws<'_>,
 ) -> Option<(usize, f64)> {
-    let beside = with_laws(at, laws.end, columns);
+    let beside = with_laws(at, laws);
     let (gram, score) = (&beside.total.gram, &beside.total.score);
-    let (own, listed) = (at.places(active), at.perturbations.len());
+    let listed = at.perturbations.len();
+    let free: Vec<usize> = active.iter().copied().chain(laws.free.clone().map(candidate_of)).collect();
+    let own = beside.places(&free);
     let inner = submatrix(gram, &own);
-    let off = beside.systematic_beside(active, signals);
+    let off = beside.systematic_beside(&free, signals);
     let sure = |law: usize| {
         let column = listed + law;
         let across = DVector::from_fn(own.len(), |i, _| gram[(own[i], column)]);
@@ -33,18 +42,23 @@ pub(super) fn surest(
         let told = length > ROUNDING * gram[(column, column)];
         told.then(|| (law, value / (1.0 / length + off[column] * off[column]).sqrt()))
     };
-    laws.filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    laws.asked.clone().filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
 /// The same evaluation with a column more for each law.
-fn with_laws(at: &Evaluation, laws: usize, columns: Columns<'_>) -> Evaluation {
+fn with_laws(at: &Evaluation, laws: &Laws<'_>) -> Evaluation {
+    let (columns, laws) = (laws.columns, laws.asked.end.max(laws.free.end));
     let mut beside = at.clone();
     for cell in beside.blocks.iter_mut().flat_map(|block| &mut block.cells) {
         let (listed, more) = (cell.columns.ncols(), columns(cell));
         cell.columns = cell.columns.clone().resize_horizontally(listed + laws, 0.0);
         cell.columns.columns_mut(listed, laws).copy_from(&more);
     }
-    // no candidate's
-    beside.perturbations.extend((0..laws).map(|law| Perturbation { candidate: usize::MAX - law, by: 1.0 }));
+    beside.perturbations.extend((0..laws).map(|law| Perturbation { candidate: candidate_of(law), by: 1.0 }));
     beside.with(&at.sigmas)
+}
+
+/// The number that a law has among candidates: no candidate's.
+fn candidate_of(law: usize) -> usize {
+    usize::MAX - law
 }

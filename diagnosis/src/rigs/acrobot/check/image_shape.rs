@@ -1,16 +1,14 @@
 //! What a residual of images looks like: single frames that show another moment, a value that swings, angles of the log that are off, or
 //! a simple law of place, motion or time.
 
+use super::frames::Frames;
 use super::image_laws::{ImageLaw, law_of_image, law_of_pose};
-use super::policy::CHECK;
 use crate::diagnosis::Unknown;
-use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
+use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::statistics::levels::{HALF, PART, ROUNDING, SMALL};
-use crate::statistics::linear::{Cell, Reduced, reduce};
-use rayon::prelude::*;
-use std::f64::consts::TAU;
+use crate::statistics::levels::{HALF, PART, SMALL};
+use crate::statistics::linear::Cell;
 
 /// The signal that is blamed, what its residual depends on, and its form.
 pub(super) type Shape = (String, Vec<String>, String);
@@ -48,12 +46,9 @@ pub(super) fn image_shape(
         );
         return shape(ANGLES_OF_LOG[link], &[name], text);
     }
-    if let Some((candidate, hertz, swung)) = frames.swing(at, list).filter(|swing| swing.2 > share + SMALL) {
-        let Candidate { name, phrase, .. } = &list[candidate];
-        let text = format!(
-            "swinging {hertz:.2} times a second, as if {name} ({phrase}) did ({:.0} % of it)",
-            100.0 * swung
-        );
+    let swing = frames.swing(at, list).map(|swing| (frames.share(&swing), swing));
+    if let Some((swung, swing)) = swing.filter(|(swung, _)| *swung > (share + SMALL).max(PART)) {
+        let text = format!("{} ({:.0} % of it)", swing.words(list), 100.0 * swung);
         return shape(own, &["time"], text);
     }
     let pose = law_of_pose(at, worst).map(of_loud).filter(|pose| pose.share > share + SMALL);
@@ -105,127 +100,13 @@ fn angle_of_log(at: &Evaluation) -> Option<(usize, f64)> {
     best.filter(|_| more > 0.0)
 }
 
-/// Frames in the order of time, each with its run, its time, and what is left of it.
-struct Frames {
-    all: Vec<(usize, f64, Reduced)>,
-    /// Squares that noise doesn't leave.
-    more: f64,
-}
-
-impl Frames {
-    fn of(at: &Evaluation) -> Self {
-        let cells: Vec<(usize, &Cell)> = at
-            .blocks
-            .iter()
-            .flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell)))
-            .collect();
-        let reduced = |(run, cell): &(usize, &Cell)| {
-            (*run, cell.time.first().copied().unwrap_or(0.0), reduce(cell, at.discrepancy_sd))
-        };
-        let all: Vec<_> = cells.par_iter().map(reduced).collect();
-        let more = all.iter().map(|(_, _, left)| left.square - left.freedom).sum();
-        Self { all, more }
-    }
-
-    /// In words, if single frames hold nearly all of what is left.
-    fn single(&self, at: &Evaluation, list: &[Candidate]) -> Option<String> {
-        let far = |place: usize| {
-            self.all
-                .get(place)
-                .is_some_and(|(_, _, left)| left.square > CHECK.far_frame * left.freedom.max(1.0))
-        };
-        let those: Vec<usize> = (0..self.all.len()).filter(|place| far(*place)).collect();
-        let groups = those.iter().filter(|place| !far(place.wrapping_sub(1))).count();
-        let squares: f64 = those.iter().map(|place| self.all[*place].2.square).sum();
-        // two that were exchanged stand side by side
-        if squares < HALF * self.more
-            || those.len() > 2 * groups
-            || those.len() as f64 > HALF * self.all.len() as f64
-        {
-            return None;
-        }
-        let (count, of) = (those.len(), self.all.len());
-        let first = self.all[*those.first()?].1;
-        let delay = list.iter().position(|candidate| candidate.is(Attribute::ImageDelay));
-        let column = delay.and_then(|delay| at.places(&[delay]).first().copied());
-        let moved: f64 = column.map_or(0.0, |column| {
-            let gain = |place: &usize| gain(&self.all[*place].2, column);
-            those.iter().map(gain).sum::<f64>() / squares
-        });
-        let how = if moved > 1.0 - PART {
-            "they show another moment than their timestamp says: repeated, exchanged or held up"
-        } else {
-            "they don't show what the others do"
-        };
-        Some(format!("single frames, {count} of {of}, the first at {first:.2} s: {how}"))
-    }
-
-    /// The effect of the camera that swings with time, how often a second, and the share of what noise doesn't leave that this explains. Each run
-    /// has a phase of its own.
-    fn swing(&self, at: &Evaluation, list: &[Candidate]) -> Option<(usize, f64, f64)> {
-        let runs: Vec<&[(usize, f64, Reduced)]> = self.all.chunk_by(|a, b| a.0 == b.0).collect();
-        let length = |run: &&[(usize, f64, Reduced)]| run[run.len() - 1].1 - run[0].1;
-        let longest = runs.iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
-        let (span, count) = (length(longest), longest.len());
-        // by half the resolution of the longest run, as fast as frames tell
-        let swings = count.checked_sub(2).filter(|_| span > 0.0)?;
-        let still = |candidate: &Candidate| {
-            candidate.side == Side::Camera && !candidate.is_discrete() && !candidate.is(Attribute::ImageDelay)
-        };
-        let columns: Vec<(usize, usize)> = (0..list.len())
-            .filter(|index| still(&list[*index]))
-            .filter_map(|index| Some((index, *at.places(&[index]).first()?)))
-            .collect();
-        let best = (2..swings).into_par_iter().map(|half| {
-            let hertz = HALF * half as f64 / span;
-            let phases: Vec<Vec<(f64, f64)>> = (runs.iter())
-                .map(|run| run.iter().map(|(_, time, _)| libm::sincos(TAU * hertz * time)).collect())
-                .collect();
-            let gain = |column: usize| {
-                runs.iter().zip(&phases).map(|(run, phases)| swung(run, phases, column)).sum::<f64>()
-            };
-            columns
-                .iter()
-                .map(|(index, column)| (*index, hertz, gain(*column)))
-                .max_by(|a, b| a.2.total_cmp(&b.2))
-        });
-        let (index, hertz, gain) = best.flatten().max_by(|a, b| a.2.total_cmp(&b.2))?;
-        Some((index, hertz, gain / self.more)).filter(|swing| self.more > 0.0 && swing.2 > PART)
-    }
-}
-
-/// Decrease of the squares that a value of its own brings.
-fn gain(left: &Reduced, column: usize) -> f64 {
-    let length = left.gram[(column, column)];
-    if length > 0.0 { left.score[column].powi(2) / length } else { 0.0 }
-}
-
-/// Decrease of a run's squares by a value that swings, of the best size and phase.
-fn swung(run: &[(usize, f64, Reduced)], phases: &[(f64, f64)], column: usize) -> f64 {
-    let (mut score, mut gram) = ([0.0; 2], [0.0; 3]);
-    for ((_, _, left), (sin, cos)) in run.iter().zip(phases) {
-        let (own, length) = (left.score[column], left.gram[(column, column)]);
-        score[0] += cos * own;
-        score[1] += sin * own;
-        gram[0] += cos * cos * length;
-        gram[1] += cos * sin * length;
-        gram[2] += sin * sin * length;
-    }
-    let determinant = gram[0] * gram[2] - gram[1] * gram[1];
-    // a phase that no frame shows
-    if determinant <= ROUNDING * gram[0] * gram[2] {
-        return 0.0;
-    }
-    (gram[2] * score[0] * score[0] - 2.0 * gram[1] * score[0] * score[1] + gram[0] * score[1] * score[1])
-        / determinant
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::examples::{Moment, candidates, frames, moved, noise, read, signals};
     use super::super::torque_shape::widest;
     use super::*;
     use crate::rigs::acrobot::residual::studio::COLUMNS;
+    use std::f64::consts::TAU;
 
     /// The shape of what is left, signal and text.
     fn told(left: impl Fn(&Moment, usize) -> f64) -> (String, String) {

@@ -9,14 +9,17 @@ mod confounded;
 mod differing_runs;
 #[cfg(test)]
 mod examples;
+mod frames;
 mod image_laws;
 mod image_shape;
 mod law_of_place;
 mod policy;
 mod residual;
 mod shared_scatter;
+mod swinging;
 mod torque_shape;
 mod unlisted_lens;
+mod unlisted_light;
 mod widened_gap;
 
 use crate::diagnosis::{Gap, Unknown};
@@ -75,9 +78,11 @@ const OF_THE_MODEL: &[Doubt] = &[
     circle_beside::doubt,
     residual::doubt,
     unlisted_lens::doubt,
+    unlisted_light::doubt,
     confounded::doubt,
     law_of_place::doubt,
     changing_value::doubt,
+    swinging::doubt,
 ];
 /// Doubts of the logs, and of the effects on runs that were left out.
 const OF_THE_LOGS: &[Doubt] =

@@ -1,7 +1,7 @@
 //! A lens that has a law of place which no candidate gives: each such law is held against what the model with its effects leaves of the
 //! circles, beside these effects. Several effects may stand for one, each of them sure, and leave less of it than a gap shows.
 
-use super::beside::surest;
+use super::beside::{Laws, surest};
 use super::torque_shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
@@ -60,7 +60,12 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
 
 /// The law that is told most surely, and by how many standard deviations.
 fn surest_of(found: &Found<'_>) -> Option<(usize, f64)> {
-    surest(&found.study.last, &found.study.active, found.signals, open(found.list), &columns)
+    surest(&found.study.last, &found.study.active, found.signals, &laws(open(found.list)))
+}
+
+/// These laws of the list.
+fn laws(asked: Range<usize>) -> Laws<'static> {
+    Laws { columns: &columns, asked, free: 0..0 }
 }
 
 /// The signal that a law moves most, in units of its noise.
@@ -132,7 +137,7 @@ mod tests {
             let at = place(signal, moment.state);
             LAWS.iter().zip(sizes).map(|((_, law), size)| size * law(at)[signal % 2]).sum()
         });
-        surest(&at, &[0], &signals(), 0..LAWS.len(), &columns)
+        surest(&at, &[0], &signals(), &laws(0..LAWS.len()))
     }
 
     #[test]
@@ -165,7 +170,7 @@ mod tests {
         // angles alone, without their circles
         let mut at = frames(|_, _| 0.0);
         at.blocks.iter_mut().flat_map(|block| &mut block.cells).for_each(|cell| cell.drawn.clear());
-        assert_eq!(surest(&at, &[0], &signals(), 0..LAWS.len(), &columns), None);
+        assert_eq!(surest(&at, &[0], &signals(), &laws(0..LAWS.len())), None);
     }
 
     #[test]

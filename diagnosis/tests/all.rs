@@ -32,4 +32,5 @@ mod stamps;
 mod statistics;
 mod sticking;
 mod ticks;
+mod unlisted;
 mod zeros;

@@ -10,7 +10,8 @@
 //!    `gap` is how far it closed above the `noise_floor`, `amend` writes the better model.
 //! 6. `correction` fits labelled torques to a residual that has no name, for the residual unit.
 //! 7. `experiment` simulates what a lab could do about a class that stays open, and chooses; `earlier` is what was known before it.
-//! 8. `linked` follows the plant with its states linked from row to row, the engine of any unit, where windows leave a class open.
+//! 8. `linked` follows the plant with its states linked from row to row, the engine of any unit, where windows leave a class open, and for laws
+//!    that nobody lists; `simple_laws` has them.
 //! 9. `story` tells it. `record` turns finished runs into a data set, to rehearse; `replay` feeds a log to the amended scenario.
 //!
 //! `channels` is the table of all columns of logs, `parameters` names what is asked for and never freed, `policy` holds the numbers that
@@ -42,4 +43,5 @@ mod replay;
 pub mod residual;
 mod residual_places;
 pub mod selection;
+mod simple_laws;
 pub(crate) mod story;

@@ -7,6 +7,7 @@ use crate::diagnosis::Unknown;
 use crate::rigs::acrobot::candidates::Candidate;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Evaluation;
+use crate::rigs::acrobot::simple_laws::ANGLES_OF_LOG;
 use crate::statistics::levels::{HALF, PART, SMALL};
 use crate::statistics::linear::Cell;
 
@@ -59,9 +60,6 @@ pub(super) fn image_shape(
         _ => shape(own, &[], "no simple law of place, motion or time".into()),
     }
 }
-
-/// The angles that a log of encoders holds.
-const ANGLES_OF_LOG: [&str; 2] = ["plant.q1", "plant.q2"];
 
 /// Whether what has no name is in the angles of the log.
 pub fn is_of_angles(left: &Unknown) -> bool {

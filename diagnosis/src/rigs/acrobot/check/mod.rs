@@ -18,12 +18,14 @@ mod residual;
 mod shared_scatter;
 mod swinging;
 mod torque_shape;
+mod unlisted_law;
 mod unlisted_lens;
 mod unlisted_light;
 mod widened_gap;
 
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::candidates::Candidate;
+use crate::rigs::acrobot::linked::UnlistedLaw;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::image::Together;
 use crate::rigs::acrobot::selection::Study;
@@ -41,6 +43,8 @@ pub struct Found<'a> {
     pub list: &'a [Candidate],
     /// A commanded torque was logged beside the angles.
     pub torque: bool,
+    /// The law that no candidate gives and that linked states tell most surely.
+    pub unlisted: Option<&'a UnlistedLaw>,
     /// The effects that have a continuous value.
     pub free: &'a [usize],
     /// Names of the runs.
@@ -79,6 +83,7 @@ const OF_THE_MODEL: &[Doubt] = &[
     residual::doubt,
     unlisted_lens::doubt,
     unlisted_light::doubt,
+    unlisted_law::doubt,
     confounded::doubt,
     law_of_place::doubt,
     changing_value::doubt,

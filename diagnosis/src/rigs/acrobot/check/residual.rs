@@ -2,7 +2,7 @@
 
 use super::image_shape::image_shape;
 use super::torque_shape::{nearest, torque_shape, widest};
-use super::{Found, Judgement};
+use super::{Found, Judgement, unlisted_law};
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::check::policy::CHECK;
 use crate::rigs::acrobot::gap::{chained, of_pictures};
@@ -70,6 +70,7 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
     // what scattering timestamps of the torque do goes on from row to row, too
     let accounted = if study.last.discrepancy_sd <= stamps { study.last.discrepancy_sd } else { 0.0 };
     let nearest = nearest(study, candidates);
+    let in_words = || unlisted_law::shape(found).unwrap_or_else(|| torque_shape(study, &study.last));
     if torque {
         let (size, floor) = rms(&torques(&study.last.blocks, &[], &[], &study.folds.of));
         let evident = lacking(&study.last, &study.folds, study.explained, false)
@@ -77,7 +78,7 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
         if !evident && size < CHECK.torque_ratio * floor.hypot(stamps) {
             return None;
         }
-        let (signal, depends_on, shape) = torque_shape(study, &study.last);
+        let (signal, depends_on, shape) = in_words();
         return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
     let chain = chained(signals);
@@ -85,7 +86,7 @@ fn unknown(found: &Found<'_>) -> Option<Unknown> {
     let open =
         || is_open(&if chain { of_pictures(study, found.free, found.runs) } else { found.gap.clone() });
     if chain && !open() && lacking(&study.last, &study.folds, study.explained, true) {
-        let (signal, depends_on, shape) = torque_shape(study, &study.last);
+        let (signal, depends_on, shape) = in_words();
         return Some(Unknown { signal, depends_on, shape, nearest, ..Unknown::default() });
     }
     let measured = study

@@ -8,6 +8,7 @@ use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS};
 use crate::rigs::acrobot::residual::torque::{LACKING, torques};
 use crate::rigs::acrobot::selection::{Evaluation, Study};
+use crate::rigs::acrobot::simple_laws::{Moment, OF_STATE};
 
 /// What of the list comes nearest to it.
 pub(super) fn nearest(study: &Study, candidates: &[Candidate]) -> String {
@@ -21,37 +22,6 @@ pub(super) fn nearest(study: &Study, candidates: &[Candidate]) -> String {
         ),
         None => "no listed effect resembles it".into(),
     }
-}
-
-/// Simple variables on which a residual may depend.
-fn regressors(state: &[f64; 4], time: f64) -> Vec<(&'static [&'static str], &'static str, f64)> {
-    let [q1, q2, dq1, dq2] = *state;
-    let (bend, slip) = (q2 - q1, dq2 - dq1);
-    let sign = |x: f64| libm::tanh(x / 0.05);
-    vec![
-        (&[], "constant", 1.0),
-        (&["time"], "drifting with time", time),
-        (&["q1"], "odd in q1, like a spring", q1),
-        (&["q2"], "odd in q2, like a spring", q2),
-        (&["q1", "q2"], "odd in the joint angle q2 - q1, like a spring", bend),
-        (&["q1", "q2"], "cubic in the joint angle q2 - q1, like a stiffening spring", bend * bend * bend),
-        (&["q2"], "even in q2", q2 * q2),
-        (&["dq1"], "odd in dq1, growing with speed", dq1),
-        (&["dq1", "dq2"], "odd in the joint's rate dq2 - dq1, growing with speed", slip),
-        (&["dq1"], "odd in dq1, of constant size: sticking", sign(dq1)),
-        (
-            &["dq1", "dq2"],
-            "odd in the joint's rate dq2 - dq1, of constant size: sticking or play",
-            sign(slip),
-        ),
-        (&["dq1"], "odd in dq1, with the square of speed: drag", dq1 * dq1.abs()),
-        (&["dq1", "dq2"], "odd in the joint's rate, with the square of speed: drag", slip * slip.abs()),
-        (
-            &["dq1", "dq2"],
-            "strongest at small rates of the joint: Stribeck or sticking",
-            sign(slip) / (1.0 + slip * slip / 0.04),
-        ),
-    ]
 }
 
 /// Names of what a law depends on, and its form.
@@ -89,32 +59,27 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
     let mut best: Option<(f64, usize, Form)> = None;
     let mut squares = [0.0; 2];
     for (link, square) in squares.iter_mut().enumerate() {
-        let values: Vec<(f64, [f64; 4], f64)> = lacking
+        let values: Vec<(f64, Moment)> = lacking
             .iter()
             .filter(|t| t.floor[link].is_finite())
             .map(|t| {
                 let block = &at.blocks[t.block];
-                (t.torque[link], block.state, 0.5 * (block.from + block.to))
+                let time = 0.5 * (block.from + block.to);
+                (t.torque[link], Moment { state: block.state, time, tau: 0.0 })
             })
             .collect();
         let total: f64 = values.iter().map(|(x, ..)| x * x).sum();
         *square = total;
-        let Some(count) = values.first().map(|(_, state, time)| regressors(state, *time).len()) else {
-            continue;
-        };
-        for place in 0..count {
+        for law in &OF_STATE {
             let (mut xy, mut xx) = (0.0, 0.0);
-            let mut name = None;
-            for (y, state, time) in &values {
-                let all = regressors(state, *time);
-                let (variables, shape, x) = all[place];
+            for (y, moment) in &values {
+                let x = (law.value)(moment);
                 xy += x * y;
                 xx += x * x;
-                name = Some((variables, shape));
             }
             let share = if xx > 0.0 && total > 0.0 { xy * xy / xx / total } else { 0.0 };
-            if let Some(form) = name.filter(|_| best.is_none_or(|(known, ..)| share > known)) {
-                best = Some((share, link, form));
+            if best.is_none_or(|(known, ..)| share > known) {
+                best = Some((share, link, (law.depends_on, law.words)));
             }
         }
     }

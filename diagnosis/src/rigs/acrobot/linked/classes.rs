@@ -3,13 +3,12 @@
 //! A window's free start state takes what two effects differ by where that is slow: a balanced arm leans into a drag for seconds.
 //! Linked states lose none of it. Each is fitted in the place of the effect, and the deviance decides.
 
-use super::Linked;
 use super::policy::LINKED;
+use super::{Linked, is_quiet};
 use crate::error::Error;
 use crate::infer::Fit;
+use crate::infer::Sizes;
 use crate::infer::fit::At;
-use crate::infer::likelihood::maximise;
-use crate::infer::{Noise, Sizes};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
@@ -86,7 +85,7 @@ fn judge_class(
             break;
         }
     }
-    if gain_of_process_noise(&fits.first()?.1, sizes) > LINKED.quiet {
+    if !is_quiet(&fits.first()?.1, sizes) {
         return None;
     }
     let least = fits.iter().map(|(_, fit)| fit.deviance).fold(f64::INFINITY, f64::min);
@@ -115,16 +114,6 @@ fn fit_in_place(
     let replaced = |index: &usize| if *index == effect { member.candidate } else { *index };
     let free: Vec<usize> = study.active.iter().map(replaced).collect();
     linked.fitted(start, &point, &free, sizes)
-}
-
-/// Deviance that process noise gains over none.
-fn gain_of_process_noise(fit: &Fit, sizes: &Sizes) -> f64 {
-    let columns: Vec<usize> = (0..fit.free.len()).collect();
-    let exact =
-        Sizes { process: sizes.process.iter().map(|(least, _)| (*least, *least)).collect(), ..sizes.clone() };
-    let none =
-        Noise { process: sizes.process.iter().map(|(least, _)| *least).collect(), ..fit.at.noise.clone() };
-    maximise(&fit.runs, &columns, &none, &exact).1 - fit.deviance
 }
 
 /// Whether linked states are asked of a member: a plant's, and not far from the best.

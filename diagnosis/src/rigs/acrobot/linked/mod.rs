@@ -2,24 +2,32 @@
 //!
 //! - `problem.rs`: the plant's logs as a problem of any unit
 //! - `classes.rs`: which names such a fit tells apart
+//! - `unlisted_law.rs`: which law that no candidate gives is left
+//! - `poses.rs`: what images show in the place of a log
 //! - `policy.rs`: the numbers both decide by
 
 mod classes;
 pub(super) mod policy;
+mod poses;
 mod problem;
+mod unlisted_law;
 
 pub use classes::weigh_linked_classes;
+pub use poses::poses_as_log;
+pub use unlisted_law::{UnlistedLaw, unlisted_law};
 
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::dynamics::machine::Role;
 use crate::error::Error;
-use crate::infer::Sizes;
 use crate::infer::fit::{At, Fit, Options, fit};
+use crate::infer::likelihood::maximise;
+use crate::infer::{Noise, Sizes};
 use crate::observe::{OutputEffect, Run};
 use crate::rigs::acrobot::candidates::{Candidate, actuator};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
+use policy::LINKED;
 use problem::{Stretches, stretches};
 
 /// The first states are angles; process noise acts on their rates.
@@ -102,6 +110,21 @@ impl<'a> Linked<'a> {
         let free: Vec<usize> = real.filter_map(|index| self.places[*index]).collect();
         fit(&self.built.engine, &at, &free, sizes, &OPTIONS)
     }
+}
+
+/// Whether process noise gains less than what ends a search: otherwise the model lacks something, or the log's noise is not white.
+fn is_quiet(fit: &Fit, sizes: &Sizes) -> bool {
+    gain_of_process_noise(fit, sizes) < LINKED.quiet
+}
+
+/// Deviance that process noise gains over none.
+fn gain_of_process_noise(fit: &Fit, sizes: &Sizes) -> f64 {
+    let columns: Vec<usize> = (0..fit.free.len()).collect();
+    let exact =
+        Sizes { process: sizes.process.iter().map(|(least, _)| (*least, *least)).collect(), ..sizes.clone() };
+    let none =
+        Noise { process: sizes.process.iter().map(|(least, _)| *least).collect(), ..fit.at.noise.clone() };
+    maximise(&fit.runs, &columns, &none, &exact).1 - fit.deviance
 }
 
 /// As usual, with time to come to an end: a fit that stops on its way must not speak against its effect.

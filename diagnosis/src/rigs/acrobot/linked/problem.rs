@@ -18,11 +18,13 @@ use crate::rigs::acrobot::residual::policy::RESIDUAL;
 use crate::statistics::median::median;
 use orchestrator::Value;
 use orchestrator::time::Rational;
+use std::borrow::Cow;
 
 /// What plants log and states are, and how a state is started.
-const MOTION: [(&str, &str); 4] = [("q1", "q1_0"), ("q2", "q2_0"), ("dq1", "dq1_0"), ("dq2", "dq2_0")];
-/// What drives a plant.
-const TORQUES: [&str; 2] = ["tau", "tau_1"];
+pub(super) const MOTION: [(&str, &str); 4] =
+    [("q1", "q1_0"), ("q2", "q2_0"), ("dq1", "dq1_0"), ("dq2", "dq2_0")];
+/// What drives a plant; the second is nothing where no log has it, and there for laws of a torque on the first link.
+pub(super) const TORQUES: [&str; 2] = ["tau", "tau_1"];
 /// A data set's plant logs, and the stretches of them in which the torque is known.
 pub(super) struct Stretches {
     pub(super) problem: Problem,
@@ -38,23 +40,22 @@ pub(super) fn stretches(
     point: &[f64],
     sigma: &dyn Fn(&str) -> Option<f64>,
 ) -> Result<Option<Stretches>, Error> {
+    let late = list.iter().zip(point).find(|(one, _)| one.side == Side::Clock).map_or(0.0, |(_, x)| *x);
+    let data = &on_time(data, late);
     let contact = data.contact(model.number(parameters::LIMIT).unwrap_or(f64::INFINITY));
     let used: Vec<&Run> = data.runs.iter().filter(|run| both_angles(run)).collect();
     let logs = || used.iter().filter_map(|run| run.plant.as_ref().zip(run.controller.as_ref()));
     let motion: Vec<usize> = (0..MOTION.len())
         .filter(|place| logs().any(|(plant, _)| plant.column(MOTION[*place].0).is_some()))
         .collect();
-    let torques: Vec<&str> =
-        TORQUES.into_iter().filter(|name| logs().any(|(_, torque)| torque.column(name).is_some())).collect();
     let nominal = nominal(model)?;
     let find = |name: &str| id(&nominal, name);
-    let channels = channels(data, &motion, &torques, sigma, &find)?;
+    let channels = channels(data, &motion, sigma, &find)?;
     let states = states(&motion, &find)?;
-    let (runs, spans) = logged_runs(&used, &motion, &torques, contact);
+    let (runs, spans) = logged_runs(&used, &motion, contact);
     if spans.is_empty() {
         return Ok(None);
     }
-    let moved = list.iter().zip(point).any(|(one, x)| one.side == Side::Zero && *x != 0.0);
     let problem = Problem {
         path: data.path.clone(),
         channels,
@@ -63,7 +64,7 @@ pub(super) fn stretches(
         candidates: listed(list, model, &find)?,
         ports: Ports {
             inputs: InputEffect::ALL.to_vec(),
-            outputs: if moved { vec![OutputEffect::Offset] } else { Vec::new() },
+            outputs: vec![OutputEffect::Offset],
             unknown_inputs: false,
         },
         runs,
@@ -77,13 +78,19 @@ pub(super) fn stretches(
     Ok(Some(Stretches { problem, spans }))
 }
 
+/// The data with the plants' logs stamped so much earlier, s.
+fn on_time(data: &DataSet, late: f64) -> Cow<'_, DataSet> {
+    if late == 0.0 {
+        return Cow::Borrowed(data);
+    }
+    let mut data = data.clone();
+    let logs = data.runs.iter_mut().filter_map(|run| run.plant.as_mut());
+    logs.flat_map(|log| &mut log.time).for_each(|time| *time -= late);
+    Cow::Owned(data)
+}
+
 /// The logs of the runs, and the stretches of them that are linked: each a run and its times, s.
-fn logged_runs(
-    used: &[&Run],
-    motion: &[usize],
-    torques: &[&str],
-    contact: f64,
-) -> (Vec<Logged>, Vec<(usize, Span)>) {
+fn logged_runs(used: &[&Run], motion: &[usize], contact: f64) -> (Vec<Logged>, Vec<(usize, Span)>) {
     let (mut runs, mut spans) = (Vec::new(), Vec::new());
     for run in used {
         let (Some(plant), Some(torque)) = (&run.plant, &run.controller) else { continue };
@@ -91,7 +98,7 @@ fn logged_runs(
         pieces(&rows, plant, &run.undriven(), runs.len(), &mut spans);
         let mut series: Vec<Series> =
             motion.iter().map(|place| course(plant, MOTION[*place].0, rows.iter().copied())).collect();
-        series.extend(torques.iter().map(|name| course(torque, name, 0..torque.len())));
+        series.extend(TORQUES.iter().map(|name| driven(torque, name)));
         runs.push(Logged { name: run.name.clone(), line: 0, seconds: 1.0, series });
     }
     shortened(&mut spans, &runs);
@@ -102,7 +109,6 @@ fn logged_runs(
 fn channels(
     data: &DataSet,
     motion: &[usize],
-    torques: &[&str],
     sigma: &dyn Fn(&str) -> Option<f64>,
     find: &dyn Fn(&str) -> Result<VariableId, Error>,
 ) -> Result<Vec<Channel>, Error> {
@@ -122,7 +128,7 @@ fn channels(
         let noise = sigma(name).or(data.known_noise(&format!("plant.{name}")));
         channel(name, Role::Compared, noise)
     });
-    compared.chain(torques.iter().map(|name| channel(name, Role::Fed(Hold::Zero), None))).collect()
+    compared.chain(TORQUES.iter().map(|name| channel(name, Role::Fed(Hold::Zero), None))).collect()
 }
 
 /// The plant's states: angles and rates. `motion` are the places of those that were logged.
@@ -258,4 +264,12 @@ fn course(log: &Table, name: &str, rows: impl Iterator<Item = usize>) -> Series 
     let known = rows.filter(|row| values[*row].is_finite());
     let (time, values) = known.map(|row| (log.time[row], values[row])).unzip();
     Series { time, values }
+}
+
+/// A torque that was fed: none where no log has it.
+fn driven(log: &Table, name: &str) -> Series {
+    match log.column(name) {
+        Some(_) => course(log, name, 0..log.len()),
+        None => Series { time: log.time.clone(), values: vec![0.0; log.len()] },
+    }
 }

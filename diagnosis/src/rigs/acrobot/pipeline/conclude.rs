@@ -17,6 +17,7 @@ use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::check::{Found, Judged, drifting, is_of_angles, judged, torque_shape};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::gap::Measure;
+use crate::rigs::acrobot::linked::{UnlistedLaw, poses_as_log, unlisted_law};
 use crate::rigs::acrobot::overlay;
 use crate::rigs::acrobot::selection::Study;
 use crate::rigs::acrobot::{amend, experiment, gap, residual_places, story};
@@ -96,7 +97,9 @@ impl Conclusion {
         self.measures.push(measure);
         let (own, torque) =
             (residual_places::places(&part.study, &part.signals), measure == Measure::Torques);
+        let unlisted = unlisted(logs.rig, part, watch);
         let judged = judged(&Found {
+            unlisted: unlisted.as_ref(),
             study: &part.study,
             signals: &part.signals,
             list,
@@ -139,9 +142,11 @@ impl Conclusion {
         self.note_unknown(judged.unknown);
     }
 
-    /// What a cut lacks without a name beside what those before it did: torques that seem to lack are those of angles.
+    /// What a cut lacks without a name beside what those before it did: torques that seem to lack are those of angles, which the log itself
+    /// tells best.
     fn note_unknown(&mut self, left: Option<Unknown>) {
-        let first = self.unknown.take().filter(|_| !left.as_ref().is_some_and(is_of_angles));
+        let of_angles = left.as_ref().is_some_and(is_of_angles);
+        let first = self.unknown.take().filter(|first| is_of_angles(first) || !of_angles);
         self.unknown = first.or(left);
     }
 
@@ -340,4 +345,19 @@ fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &St
             left.or(worst).unwrap_or_default()
         }
     }
+}
+
+/// The law that a part's motion tells beside all that is listed: a log's, or what images show where there is none. A log that can't be
+/// linked tells none, and must not end a diagnosis that stands without it.
+fn unlisted(rig: &Rig<'_>, part: &Part, watch: &mut Watch<'_>) -> Option<UnlistedLaw> {
+    let (model, list, found) = (rig.model, &rig.list, (&part.study, part.signals.as_slice()));
+    watch.stage("plant: laws that nobody lists, with linked states");
+    let told = if part.torque {
+        unlisted_law(&rig.data, model, list, found, true)
+    } else if gap::chained(&part.signals) {
+        unlisted_law(&poses_as_log(&rig.data, model, list, &part.study), model, list, found, false)
+    } else {
+        return None;
+    };
+    told.ok().flatten()
 }

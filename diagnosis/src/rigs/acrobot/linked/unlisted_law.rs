@@ -1,0 +1,304 @@
+//! Laws that no candidate gives, of a torque or of what an angle reads: each is held against what linked states leave, beside all that is
+//! listed (a score test).
+//!
+//! Windows begin too free to tell: a cable's spring leaves them nothing that a gain and a bias don't take.
+
+use super::problem::{MOTION, TORQUES};
+use super::{Linked, is_quiet};
+use crate::dynamics::grid::Grid;
+use crate::dynamics::machine::Role;
+use crate::error::Error;
+use crate::infer::fit::{Fit, Linearise};
+use crate::infer::likelihood::{maximise, reduced};
+use crate::infer::linearised::Follows;
+use crate::infer::{Linearised, Noise, Sizes};
+use crate::observe::InputEffect;
+use crate::rigs::acrobot::candidates::{Candidate, Motion};
+use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::selection::Study;
+use crate::rigs::acrobot::simple_laws::{Law, Moment, On, all_laws};
+use crate::statistics::levels::{FEW, FINE, HALF};
+use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
+use nalgebra::DVector;
+
+/// The law that is told most surely.
+pub struct UnlistedLaw {
+    /// What it acts on.
+    pub on: On,
+    /// The law.
+    pub law: &'static Law,
+    /// By how many standard deviations it is told.
+    pub deviations: f64,
+    /// The share of the process noise's variance that it takes away.
+    pub share: f64,
+    /// The model follows the log without process noise.
+    pub quiet: bool,
+}
+
+/// The law that the plant's logs tell most surely, beside the study's effects and whatever else is listed; nothing where no law is told.
+/// `readings`: angles were read by encoders, which have laws of their own.
+///
+/// # Errors
+/// The log can't be linked: a unit failed, or the fit comes to no end.
+pub fn unlisted_law(
+    data: &DataSet,
+    model: &Model,
+    list: &[Candidate],
+    (study, signals): (&Study, &[Signal]),
+    readings: bool,
+) -> Result<Option<UnlistedLaw>, Error> {
+    let sigma = |name: &str| {
+        let place = signals.iter().position(|signal| signal.name.strip_prefix("plant.") == Some(name))?;
+        study.last.sigmas.get(place).copied()
+    };
+    let point = &study.last.point;
+    let Some(mut linked) = Linked::of(data, model, list, point, &sigma)? else { return Ok(None) };
+    let start = linked.first_path(point)?;
+    let fit = linked.fitted(&start, point, &study.active, Some(&linked.built.sizes))?;
+    let laws = Laws::of(&linked, list, &fit, all_laws(readings))?;
+    Ok(laws.and_then(|laws| laws.surest(&fit, &linked.built.sizes)))
+}
+
+/// Runs about where a fit ended, with columns for all that is listed and for each law.
+struct Laws {
+    laws: Vec<(On, &'static Law)>,
+    runs: Vec<Linearised>,
+    /// The columns that are listed come first; these are free parameters of the fit.
+    active: Vec<usize>,
+    /// How many are listed.
+    listed: usize,
+}
+
+impl Laws {
+    fn of(
+        linked: &Linked<'_>,
+        list: &[Candidate],
+        fit: &Fit,
+        laws: Vec<(On, &'static Law)>,
+    ) -> Result<Option<Self>, Error> {
+        let [joint, first] = TORQUES.map(|input| linked.bias_of(input));
+        let Some(pushes) = first.zip(joint).map(|(first, joint)| [first, joint]) else { return Ok(None) };
+        let listed = |(index, candidate): (usize, &Candidate)| {
+            let place = linked.places[index]?;
+            // what cuts nothing shows nothing
+            let cuts = matches!(candidate.motion, Motion::Saturation { .. });
+            (!candidate.is_discrete() && !cuts || fit.free.contains(&place)).then_some(place)
+        };
+        let mut columns: Vec<usize> = list.iter().enumerate().filter_map(listed).collect();
+        let listed = columns.len();
+        columns.extend(pushes);
+        let active = (0..listed).filter(|place| fit.free.contains(&columns[*place])).collect();
+        let runs = linked.built.engine.linearise(&fit.at.theta, &fit.at.paths, &columns)?;
+        let (commands, angles) = (linked.commands(), linked.angles());
+        let with = (runs.iter().zip(&fit.at.paths).zip(&commands)).map(|((run, path), commands)| {
+            let beside = Beside { run, path, commands, angles: &angles };
+            beside.with_laws(&laws, listed)
+        });
+        let runs = with.collect();
+        Ok(Some(Self { laws, runs, active, listed }))
+    }
+
+    /// The law that is told most surely: of the few that are, the one beside which the least deviance is left.
+    fn surest(&self, fit: &Fit, sizes: &Sizes) -> Option<UnlistedLaw> {
+        let columns: Vec<usize> = (0..self.listed + self.laws.len()).collect();
+        let sum = reduced(&self.runs, &fit.at.noise, &columns);
+        let told = Told::new(&sum, &self.active, self.listed);
+        let of = |law: usize| (law, told.deviations(self.listed + law));
+        let mut told: Vec<(usize, f64)> = (0..self.laws.len()).map(of).collect();
+        told.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let with = |(law, deviations): &(usize, f64)| {
+            let columns: Vec<usize> = self.active.iter().copied().chain([self.listed + law]).collect();
+            let (noise, deviance) = maximise(&self.runs, &columns, &fit.at.noise, sizes);
+            (deviance, *law, *deviations, noise)
+        };
+        let all = told.iter().take(FEW).map(with);
+        let (_, law, deviations, noise) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let variance = |noise: &Noise| noise.process.iter().map(|size| size * size).sum::<f64>();
+        let share = 1.0 - variance(&noise) / variance(&fit.at.noise);
+        let (on, law) = self.laws[law];
+        Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes) })
+    }
+}
+
+/// How surely a law is told.
+struct Told<'a> {
+    sum: &'a Reduced,
+    /// Columns of the effects that are on.
+    active: &'a [usize],
+    /// Columns of all that is listed.
+    listed: Vec<usize>,
+    /// Decrease of the squares by the best of the listed ones that are not on.
+    best: f64,
+}
+
+impl<'a> Told<'a> {
+    fn new(sum: &'a Reduced, active: &'a [usize], listed: usize) -> Self {
+        let others = (0..listed).filter(|column| !active.contains(column));
+        let best = others.filter_map(|column| gain(sum, active, column)).fold(0.0, f64::max);
+        Self { sum, active, listed: (0..listed).collect(), best }
+    }
+
+    /// Standard deviations of a column beside all that is listed, or what it explains beside the effects that are on beyond the best of the
+    /// list: a law that all of them together stand for is still the simpler story.
+    fn deviations(&self, column: usize) -> f64 {
+        let all = gain(self.sum, &self.listed, column).unwrap_or(0.0);
+        let beyond = gain(self.sum, self.active, column).unwrap_or(0.0) - self.best;
+        all.max(beyond).max(0.0).sqrt()
+    }
+}
+
+/// Decrease of the squares that a column brings beside others; nothing where it is one of them, as far as columns of laws are good: to the bend
+/// of a motion within an interval.
+fn gain(sum: &Reduced, beside: &[usize], column: usize) -> Option<f64> {
+    let (gram, score) = (&sum.gram, &sum.score);
+    let own: Vec<usize> = beside.iter().copied().filter(|place| gram[(*place, *place)] > 0.0).collect();
+    let across = DVector::from_fn(own.len(), |i, _| gram[(own[i], column)]);
+    let weights = if own.is_empty() { DVector::zeros(0) } else { solve(&submatrix(gram, &own), &across)? };
+    let length = gram[(column, column)] - weights.dot(&across);
+    let score = score[column] - weights.dot(&subvector(score, &own));
+    (length > FINE * gram[(column, column)]).then(|| score * score / length)
+}
+
+/// A run with what laws depend on.
+struct Beside<'a> {
+    run: &'a Linearised,
+    path: &'a [f64],
+    /// The commanded torque in each interval.
+    commands: &'a [f64],
+    /// The channels of the angles.
+    angles: &'a [Option<usize>],
+}
+
+impl Beside<'_> {
+    /// The middle of an interval.
+    fn middle(&self, row: usize) -> Moment {
+        let (from, to) = (self.row(row), self.row(row + 1));
+        let state = std::array::from_fn(|state| HALF * (from.state[state] + to.state[state]));
+        Moment { state, time: HALF * (from.time + to.time), tau: self.commands[row] }
+    }
+
+    /// A row, with the torque that led there.
+    fn row(&self, row: usize) -> Moment {
+        // what an actuator remembers is a state of the run, and none of the path
+        let states = self.path.len() / self.run.rows();
+        let state = std::array::from_fn(|state| self.path[row * states + state]);
+        let tau = self.commands.get(row.saturating_sub(1)).copied().unwrap_or(0.0);
+        Moment { state, time: self.run.time[row], tau }
+    }
+
+    /// The run with the listed columns and one for each law. A torque's is what a constant torque does in an interval, times the law there; the
+    /// columns of the two constant torques stand behind the listed ones.
+    fn with_laws(&self, laws: &[(On, &'static Law)], listed: usize) -> Linearised {
+        let (run, n, parameters) = (self.run, self.run.states, listed + laws.len());
+        let (mut drive, mut direct) = (Vec::new(), Vec::new());
+        for row in 0..run.rows() {
+            let at = self.row(row);
+            for value in run.values(row) {
+                let first = value * run.parameters;
+                direct.extend_from_slice(&run.direct[first..first + listed]);
+                let reads = |angle: usize| self.angles[angle] == Some(run.measured[value].channel);
+                direct.extend(laws.iter().map(|(on, law)| match on {
+                    On::Reading(angle) if reads(*angle) => (law.value)(&at),
+                    _ => 0.0,
+                }));
+            }
+            if row + 1 == run.rows() {
+                break;
+            }
+            let at = self.middle(row);
+            (0..listed).for_each(|column| drive.extend_from_slice(run.column(row, column)));
+            for (on, law) in laws {
+                match on {
+                    On::Torque(link) => {
+                        let size = (law.value)(&at);
+                        drive.extend(run.column(row, listed + link).iter().map(|push| size * push));
+                    }
+                    On::Reading(_) => drive.resize(drive.len() + n, 0.0),
+                }
+            }
+        }
+        let follows = run.follows.iter().map(|known| {
+            let none = std::iter::repeat_n(0.0, laws.len());
+            Follows { direct: known.direct[..listed].iter().copied().chain(none).collect(), ..known.clone() }
+        });
+        Linearised { parameters, drive, direct, follows: follows.collect(), ..run.clone() }
+    }
+}
+
+impl Linked<'_> {
+    /// The parameter that is a constant torque at one of the inputs.
+    fn bias_of(&self, name: &str) -> Option<usize> {
+        let input = self.input(name)?;
+        let own = |role: Role| matches!(role, Role::Input(place, InputEffect::Bias) if place == input);
+        self.built.engine.machine.parameters.iter().position(|one| own(one.role))
+    }
+
+    /// The commanded torque in the middle of each interval of each run.
+    fn commands(&self) -> Vec<Vec<f64>> {
+        let input = self.input(TORQUES[0]);
+        let of = |grid: &Grid| {
+            let course = input.and_then(|input| grid.inputs.get(input));
+            let middles = grid.time.windows(2).map(|pair| HALF * (pair[0] + pair[1]));
+            middles.map(|time| course.map_or(0.0, |course| course.value(time))).collect()
+        };
+        self.built.engine.grids.iter().map(of).collect()
+    }
+
+    /// The channels that show the two angles.
+    fn angles(&self) -> [Option<usize>; 2] {
+        let machine = &self.built.engine.machine;
+        [0, 1].map(|angle| {
+            machine.channels.iter().position(|own| own.name == format!("plant.{}", MOTION[angle].0))
+        })
+    }
+
+    /// The place of an input of the plant.
+    fn input(&self, name: &str) -> Option<usize> {
+        self.built.engine.machine.inputs.iter().position(|own| own.name == format!("plant.{name}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// The sums of columns of length 1, of which this is the gram matrix, and of a residual that the last one explains by so many standard
+    /// deviations.
+    fn sums(gram: DMatrix<f64>, deviations: f64) -> Reduced {
+        let last = gram.ncols() - 1;
+        let score = gram.column(last) * deviations;
+        Reduced { square: deviations * deviations, score, gram, freedom: 100.0, log_det: 0.0 }
+    }
+
+    #[test]
+    fn value_a_law_that_listed_ones_stand_for_together_counts_for_what_it_explains_beyond_the_best() {
+        let half = 0.5_f64.sqrt();
+        let gram = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, half, 0.0, 1.0, half, half, half, 1.0]);
+        let sum = sums(gram, 6.0);
+        // each of the two explains half of 36
+        assert!((Told::new(&sum, &[], 2).deviations(2) - 18_f64.sqrt()).abs() < 1e-9);
+        // beside one of them half is left, which the other one explains
+        assert!(Told::new(&sum, &[0], 2).deviations(2) < 1e-6);
+    }
+
+    #[test]
+    fn value_a_law_that_no_listed_one_resembles_counts_for_all_of_it() {
+        let told = |listed: usize| Told::new(&sums(DMatrix::identity(3, 3), 6.0), &[], listed).deviations(2);
+        assert!((told(2) - 6.0).abs() < 1e-9);
+        // and one that is listed itself for nothing
+        assert_eq!(told(3), 0.0);
+    }
+
+    #[test]
+    fn every_law_has_a_column_of_its_own() {
+        for readings in [false, true] {
+            let laws = all_laws(readings);
+            let known: std::collections::BTreeSet<_> =
+                laws.iter().map(|(on, law)| (on.signal(), law.words)).collect();
+            assert_eq!(known.len(), laws.len());
+        }
+    }
+}

@@ -25,9 +25,6 @@ pub struct Check {
     /// Squares that such a drift must explain. Both: 4.3 and 21 at most on 120 sets of steady values, 5.8 and 90 at least where a light, a
     /// mount or a battery drifted.
     pub wanders_far: f64,
-    /// Standard deviations from which something swings, the best of some thousand frequencies and effects: 3.4 to 4.2 on sets where nothing
-    /// does, 22 where a focus breathed by 0.00015 and 30 where a mount swayed by 0.04 px.
-    pub swings: f64,
     /// Times the squares of noise, from which a frame is far off; single ones are where such frames hold half of what noise doesn't leave
     /// and no more than two stand side by side.
     pub far_frame: f64,
@@ -59,7 +56,6 @@ pub const CHECK: Check = Check {
     open: MORE,
     wanders: CERTAIN,
     wanders_far: SEVERAL * CERTAIN * CERTAIN,
-    swings: CERTAIN + CERTAIN,
     far_frame: FAR,
     confounding: FEW,
     cancelled: SMALL,

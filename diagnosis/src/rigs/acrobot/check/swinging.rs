@@ -1,10 +1,10 @@
 //! A camera that swings by less than a gap shows: one of its effects at one frequency, in all frames of a run, with a phase for each run.
 
 use super::frames::{Frames, Swing};
-use super::policy::CHECK;
 use super::torque_shape::{nearest, widest};
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
+use crate::statistics::levels::CERTAIN;
 
 /// What swings, where nothing else has no name.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
@@ -23,9 +23,10 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     swing.map(told).into()
 }
 
-/// Whether it is none of noise, the best frequency and effect of thousands.
+/// Whether it is none of noise, the best of some thousand frequencies and effects: it has 3.4 to 4.2 standard deviations on sets where nothing
+/// swings, 19 where a focus breathes by 0.00015 and 24 where a mount sways by 0.04 px.
 fn is_evident(swing: &Swing) -> bool {
-    swing.deviations() > CHECK.swings
+    swing.deviations() > 2.0 * CERTAIN
 }
 
 #[cfg(test)]

@@ -27,8 +27,11 @@ impl Moment {
 
 /// A law: what it depends on, its form in words, and its value for a size of 1.
 pub struct Law {
+    /// Names of variables.
     pub depends_on: &'static [&'static str],
+    /// For people.
     pub words: &'static str,
+    /// In N·m for a torque, in rad for a reading.
     pub value: fn(&Moment) -> f64,
 }
 

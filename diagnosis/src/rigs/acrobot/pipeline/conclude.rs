@@ -351,6 +351,9 @@ fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &St
 /// linked tells none, and must not end a diagnosis that stands without it.
 fn unlisted(rig: &Rig<'_>, part: &Part, watch: &mut Watch<'_>) -> Option<UnlistedLaw> {
     let (model, list, found) = (rig.model, &rig.list, (&part.study, part.signals.as_slice()));
+    if watch.is_over("the search for laws that nobody lists") {
+        return None;
+    }
     watch.stage("plant: laws that nobody lists, with linked states");
     let told = if part.torque {
         unlisted_law(&rig.data, model, list, found, true)

@@ -69,6 +69,11 @@ fn drag(rate: f64) -> f64 {
     rate * rate.abs()
 }
 
+/// Dry friction that falls off where a rate grows beyond 0.2 rad/s.
+fn slow(rate: f64) -> f64 {
+    sign(rate) / (1.0 + rate * rate / 0.04)
+}
+
 /// Of the state and of time.
 pub const OF_STATE: [Law; 14] = [
     law(&[], "constant", |_| 1.0),
@@ -88,9 +93,7 @@ pub const OF_STATE: [Law; 14] = [
     }),
     law(&["dq1"], "odd in dq1, with the square of speed: drag", |at| drag(at.state[2])),
     law(&["dq1", "dq2"], "odd in the joint's rate, with the square of speed: drag", |at| drag(at.slip())),
-    law(&["dq1", "dq2"], "strongest at small rates of the joint: Stribeck or sticking", |at| {
-        sign(at.slip()) / (1.0 + at.slip() * at.slip() / 0.04)
-    }),
+    law(&["dq1", "dq2"], "strongest at small rates of the joint: Stribeck or sticking", |at| slow(at.slip())),
 ];
 
 /// Of the commanded torque: what a motor's driver or a gear does to it.

@@ -6,9 +6,6 @@ use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::image::pose_shift;
 use crate::rigs::acrobot::selection::Study;
 
-/// Angles of a pose.
-const LINKS: usize = 2;
-
 /// The data with what a study's frames show as each run's log of angles: at the frames' times less the camera's delay.
 pub fn poses_as_log(data: &DataSet, model: &Model, list: &[Candidate], study: &Study) -> DataSet {
     let delay = place(list, Attribute::ImageDelay).map(|index| study.last.point[index]);
@@ -20,7 +17,8 @@ pub fn poses_as_log(data: &DataSet, model: &Model, list: &[Candidate], study: &S
         let blocks = study.last.blocks.iter().filter(|block| block.run == index);
         // frames are drawn, windows of the plant are not
         let frames = blocks.flat_map(|block| &block.cells).filter(|cell| !cell.drawn.is_empty());
-        for cell in frames.filter(|cell| cell.hard.ncols() == LINKS) {
+        // two angles are a pose
+        for cell in frames.filter(|cell| cell.hard.ncols() == 2) {
             let Some((shift, _)) = pose_shift(cell) else { continue };
             let (Some(at), &[q1, q2, ..]) = (cell.time.first(), cell.state.as_slice()) else { continue };
             time.push(at - delay);

@@ -72,10 +72,12 @@ fn gaps(camera: &Table, controller: Option<&Table>, interval: f64) -> Vec<Gap> {
     (1..camera.len()).filter_map(|next| gap(next - 1)).collect()
 }
 
-/// When a new torque is commanded, s.
+/// When a new torque is commanded, s; a cell that is empty commands none.
 fn changes(controller: &Table) -> Vec<f64> {
     let Some(torque) = controller.column("tau") else { return Vec::new() };
-    (1..torque.len()).filter(|row| torque[*row] != torque[*row - 1]).map(|row| controller.time[row]).collect()
+    let known: Vec<usize> = (0..torque.len()).filter(|row| torque[*row].is_finite()).collect();
+    let new = known.windows(2).filter(|pair| torque[pair[1]] != torque[pair[0]]);
+    new.map(|pair| controller.time[pair[1]]).collect()
 }
 
 /// How many of these times lie between two, however long after a frame its torque comes.
@@ -201,6 +203,11 @@ mod tests {
             [lost(&torque(&gone, 1)), lost(&torque(&[50], 1)), lost(&torque(&[], 1))],
             [3.0, 1.0, 0.0]
         );
+        // cells that are empty where frames were lost are no answer
+        let time = (0..100).map(|row| row as f64 / 30.0 + 0.007).collect();
+        let tau = (0..100).map(|row| if gone.contains(&row) { f64::NAN } else { row as f64 }).collect();
+        let empty = Table::new(time, vec![("tau".into(), tau)]);
+        assert_eq!(lost(&empty), 3.0);
         // a loop by encoders says nothing of frames
         assert_eq!(lost(&torque(&[], 4)), 3.0);
     }

@@ -350,17 +350,17 @@ fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &St
 /// The law that a part's motion tells beside all that is listed: a log's, or what images show where there is none. A log that can't be
 /// linked tells none, and must not end a diagnosis that stands without it.
 fn unlisted(rig: &Rig<'_>, part: &Part, watch: &mut Watch<'_>) -> Option<UnlistedLaw> {
-    let (model, list, found) = (rig.model, &rig.list, (&part.study, part.signals.as_slice()));
+    let seen = match (part.torque, gap::chained(&part.signals)) {
+        (true, _) => None,
+        (false, true) => Some(poses_as_log(&rig.data, rig.model, &rig.list, &part.study)),
+        // images at measured motions tell of no torque
+        (false, false) => return None,
+    };
     if watch.is_over("the search for laws that nobody lists") {
         return None;
     }
     watch.stage("plant: laws that nobody lists, with linked states");
-    let told = if part.torque {
-        unlisted_law(&rig.data, model, list, found, true)
-    } else if gap::chained(&part.signals) {
-        unlisted_law(&poses_as_log(&rig.data, model, list, &part.study), model, list, found, false)
-    } else {
-        return None;
-    };
+    let (data, found) = (seen.as_ref().unwrap_or(&rig.data), (&part.study, part.signals.as_slice()));
+    let told = unlisted_law(data, rig.model, &rig.list, found, part.torque);
     told.ok().flatten()
 }

@@ -113,6 +113,18 @@ impl Reduced {
         self.log_det -= other.log_det;
     }
 
+    /// What others leave of a column: the square of its length, and its score. Nothing where they don't tell each other apart.
+    pub fn beside(&self, others: &[usize], column: usize) -> Option<(f64, f64)> {
+        let (gram, score) = (&self.gram, &self.score);
+        let across = DVector::from_fn(others.len(), |i, _| gram[(others[i], column)]);
+        let none = others.is_empty();
+        let weights = if none { DVector::zeros(0) } else { solve(&submatrix(gram, others), &across)? };
+        Some((
+            gram[(column, column)] - weights.dot(&across),
+            score[column] - weights.dot(&subvector(score, others)),
+        ))
+    }
+
     /// The same with every variance multiplied by `dispersion`.
     pub fn dispersed(&self, dispersion: f64) -> Self {
         Self {

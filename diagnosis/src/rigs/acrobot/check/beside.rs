@@ -4,8 +4,8 @@
 use crate::rigs::acrobot::residual::{Perturbation, Signal};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::ROUNDING;
-use crate::statistics::linear::{Cell, solve, submatrix, subvector};
-use nalgebra::{DMatrix, DVector};
+use crate::statistics::linear::Cell;
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// Some laws, by their numbers.
@@ -27,20 +27,15 @@ pub(super) fn surest(
     laws: &Laws<'_>,
 ) -> Option<(usize, f64)> {
     let beside = with_laws(at, laws);
-    let (gram, score) = (&beside.total.gram, &beside.total.score);
     let listed = at.perturbations.len();
     let free: Vec<usize> = active.iter().copied().chain(laws.free.clone().map(candidate_of)).collect();
     let own = beside.places(&free);
-    let inner = submatrix(gram, &own);
     let off = beside.systematic_beside(&free, signals);
     let sure = |law: usize| {
         let column = listed + law;
-        let across = DVector::from_fn(own.len(), |i, _| gram[(own[i], column)]);
-        let weights = if own.is_empty() { DVector::zeros(0) } else { solve(&inner, &across)? };
-        let length = gram[(column, column)] - weights.dot(&across);
-        let value = (score[column] - weights.dot(&subvector(score, &own))) / length;
-        let told = length > ROUNDING * gram[(column, column)];
-        told.then(|| (law, value / (1.0 / length + off[column] * off[column]).sqrt()))
+        let (length, score) = beside.total.beside(&own, column)?;
+        let told = length > ROUNDING * beside.total.gram[(column, column)];
+        told.then(|| (law, score / length / (1.0 / length + off[column] * off[column]).sqrt()))
     };
     laws.asked.clone().filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }

@@ -20,8 +20,7 @@ use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
 use crate::rigs::acrobot::simple_laws::{Law, Moment, On, all_laws};
 use crate::statistics::levels::{FEW, FINE, HALF};
-use crate::statistics::linear::{Reduced, solve, submatrix, subvector};
-use nalgebra::DVector;
+use crate::statistics::linear::Reduced;
 
 /// The law that is told most surely.
 pub struct UnlistedLaw {
@@ -152,13 +151,10 @@ impl<'a> Told<'a> {
 /// Decrease of the squares that a column brings beside others; nothing where it is one of them, as far as columns of laws are good: to the bend
 /// of a motion within an interval.
 fn gain(sum: &Reduced, beside: &[usize], column: usize) -> Option<f64> {
-    let (gram, score) = (&sum.gram, &sum.score);
-    let own: Vec<usize> = beside.iter().copied().filter(|place| gram[(*place, *place)] > 0.0).collect();
-    let across = DVector::from_fn(own.len(), |i, _| gram[(own[i], column)]);
-    let weights = if own.is_empty() { DVector::zeros(0) } else { solve(&submatrix(gram, &own), &across)? };
-    let length = gram[(column, column)] - weights.dot(&across);
-    let score = score[column] - weights.dot(&subvector(score, &own));
-    (length > FINE * gram[(column, column)]).then(|| score * score / length)
+    let known = |place: usize| sum.gram[(place, place)];
+    let own: Vec<usize> = beside.iter().copied().filter(|place| known(*place) > 0.0).collect();
+    let (length, score) = sum.beside(&own, column)?;
+    (length > FINE * known(column)).then(|| score * score / length)
 }
 
 /// A run with what laws depend on.
@@ -293,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn every_law_has_a_column_of_its_own() {
+    fn every_law_has_words_of_its_own() {
         for readings in [false, true] {
             let laws = all_laws(readings);
             let known: std::collections::BTreeSet<_> =

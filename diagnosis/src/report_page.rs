@@ -209,7 +209,7 @@ fn summary(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Unknown if names.is_empty() => "Something is missing that no listed effect gives.".into(),
         Verdict::Unknown => format!(
-            "The nominal model lacks {}, and something besides that no listed effect gives.",
+            "Something is missing that no listed effect gives; {} may stand for a part of it, or be missing beside it.",
             names.join(", ")
         ),
     }

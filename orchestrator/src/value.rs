@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Type of a variable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
     /// `fmi2Real`
     Real,

@@ -260,7 +260,9 @@ impl RunAt<'_> {
         }
         let (mut at_row, mut out) = (job.at_row.to_vec(), Vec::new());
         at_row[..width].copy_from_slice(&job.fed[..width]);
-        worker.interval(machine, &Job { at_row: &at_row, ..*job }, &mut out)?;
+        // no interval: nothing is stepped
+        let first = &job.first[..1];
+        worker.interval(machine, &Job { at_row: &at_row, first, ..*job }, &mut out)?;
         Ok(outputs(&out))
     }
 

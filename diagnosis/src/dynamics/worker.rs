@@ -12,7 +12,7 @@ use std::time::Instant;
 /// One instance of each unit.
 pub struct Worker {
     instances: Vec<Instance>,
-    /// Real start values of each unit: references and values, filled anew for each interval.
+    /// Real start values of each unit: references and values, each reference once, filled anew for each interval.
     reals: Vec<(Vec<u32>, Vec<f64>)>,
     /// What else an instance begins with.
     others: Vec<Vec<(u32, Value)>>,
@@ -217,14 +217,19 @@ impl Worker {
             self.reals[place].0.clear();
             self.reals[place].1.clear();
             self.others[place].clear();
-            self.others[place].extend(unit.settings.iter().cloned());
+            for (reference, value) in &unit.settings {
+                match value {
+                    // one call sets them all
+                    Value::Real(value) => self.start_real(place, *reference, *value),
+                    _ => self.others[place].push((*reference, value.clone())),
+                }
+            }
         }
         let own = if machine.whole { &machine.begins } else { &machine.states };
         let starts = own.iter().map(|state| state.start).zip(job.states.iter().copied());
         for (reference, value) in job.parameters.iter().copied().chain(starts) {
             if reference.kind == Kind::Real {
-                self.reals[reference.instance].0.push(reference.reference);
-                self.reals[reference.instance].1.push(value);
+                self.start_real(reference.instance, reference.reference, value);
             } else {
                 self.others[reference.instance].push((reference.reference, typed(reference.kind, value)));
             }
@@ -240,6 +245,18 @@ impl Worker {
             self.carry(machine, None)?;
         }
         self.instances.iter_mut().try_for_each(|instance| instance.exit_initialization()).map_err(failed)
+    }
+
+    /// A real variable of a unit starts at a value, whatever was said of it before.
+    fn start_real(&mut self, unit: usize, reference: u32, value: f64) {
+        let (references, values) = &mut self.reals[unit];
+        match references.iter().position(|known| *known == reference) {
+            Some(place) => values[place] = value,
+            None => {
+                references.push(reference);
+                values.push(value);
+            }
+        }
     }
 
     fn feed(&mut self, machine: &Machine, values: &[f64]) -> Result<(), Error> {

@@ -8,7 +8,7 @@ use super::description::{Causality, Initial};
 use super::{Fmu, Instance};
 use crate::error::Error;
 use crate::value::{Kind, Value};
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Debug, Default)]
 pub(super) struct Late {
     /// Variables that can be set there: parameters, inputs, and those of initial "exact".
-    may: OnceLock<HashSet<(Kind, u32)>>,
+    may: OnceLock<BTreeSet<(Kind, u32)>>,
     /// The unit refused one.
     refused: AtomicBool,
 }

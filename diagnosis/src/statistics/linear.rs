@@ -8,7 +8,8 @@
 //! Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, section 2.4 and 4.2.
 
 use crate::statistics::levels::FINE;
-use multiversion::multiversion;
+pub use crate::statistics::normal::{inverse, solve, submatrix, subvector};
+use crate::statistics::products::{add_products, norm, take_out};
 use nalgebra::{DMatrix, DVector};
 
 /// Below this share of its own length, what is left of a column after projection is rounding.
@@ -58,6 +59,24 @@ pub struct Drawn {
 }
 
 impl Cell {
+    /// The same rows with other columns.
+    pub fn with_columns(&self, columns: DMatrix<f64>) -> Self {
+        Self {
+            residual: self.residual.clone(),
+            sigma: self.sigma.clone(),
+            signal: self.signal.clone(),
+            time: self.time.clone(),
+            hard: self.hard.clone(),
+            soft: self.soft.clone(),
+            floor: self.floor.clone(),
+            state: self.state.clone(),
+            lattice: self.lattice.clone(),
+            drawn: self.drawn.clone(),
+            columns,
+            ..*self
+        }
+    }
+
     /// Prior size that leaves the discrepancy as good as free, in its own unit.
     pub fn free(&self) -> f64 {
         FREE * self.inertia_scale
@@ -93,6 +112,15 @@ impl Reduced {
     /// Nothing yet, for p candidates.
     pub fn zero(p: usize) -> Self {
         Self { square: 0.0, score: DVector::zeros(p), gram: DMatrix::zeros(p, p), freedom: 0.0, log_det: 0.0 }
+    }
+
+    /// Adds a cell, its nuisances projected out. `discrepancy_sd` multiplies the discrepancy's prior standard deviation.
+    pub fn add_cell(&mut self, cell: &Cell, discrepancy_sd: f64) {
+        let Projected { residual, columns, freedom, log_det, .. } = projected(cell, discrepancy_sd);
+        self.square += residual.norm_squared();
+        self.freedom += freedom;
+        self.log_det += log_det + log_noise(cell);
+        add_products(&columns, residual.as_slice(), &mut self.score, &mut self.gram);
     }
 
     /// Adds another.
@@ -193,16 +221,6 @@ impl Basis {
     }
 }
 
-/// Takes what lies along each direction (one behind the other) out of a vector: most of a diagnosis that is not the units'.
-/// Compiled for AVX2, too, and chosen at run time: the same sums in the same order, so the same bits.
-#[multiversion(targets("x86_64+avx2"))]
-fn take_out(directions: &[f64], rows: usize, vector: &mut [f64]) {
-    for direction in directions.chunks_exact(rows.max(1)) {
-        let along = dot(direction, vector);
-        vector.iter_mut().zip(direction).for_each(|(value, direction)| *value -= along * direction);
-    }
-}
-
 /// Divides a column by the rows' standard deviations; the rows of soft nuisances below are 0.
 fn whiten(cell: &Cell, column: &[f64], factor: f64, into: &mut [f64]) {
     let (own, below) = into.split_at_mut(column.len());
@@ -210,24 +228,6 @@ fn whiten(cell: &Cell, column: &[f64], factor: f64, into: &mut [f64]) {
         *into = factor * value / sigma;
     }
     below.fill(0.0);
-}
-
-/// Eight sums side by side, so that compilers use vectors.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a_parts, b_parts) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_parts.remainder().iter().zip(b_parts.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a_parts.zip(b_parts) {
-        for lane in 0..8 {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    rest + sums.iter().sum::<f64>()
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 /// Whitened rows of a cell after projection, with the soft nuisances' own rows below.
@@ -283,14 +283,9 @@ fn log_noise(cell: &Cell) -> f64 {
 
 /// Projects the nuisances out of a cell. `discrepancy` multiplies the discrepancy's prior standard deviation.
 pub fn reduce(cell: &Cell, discrepancy_sd: f64) -> Reduced {
-    let Projected { residual, columns, freedom, log_det, .. } = projected(cell, discrepancy_sd);
-    Reduced {
-        square: residual.norm_squared(),
-        score: columns.tr_mul(&residual),
-        gram: columns.tr_mul(&columns),
-        freedom,
-        log_det: log_det + log_noise(cell),
-    }
+    let mut sum = Reduced::zero(cell.columns.ncols());
+    sum.add_cell(cell, discrepancy_sd);
+    sum
 }
 
 /// The deviance of a cell's own rows (square and log det) as a function of the discrepancy's size, with one projection for all
@@ -357,36 +352,4 @@ fn soft_columns(cell: &Cell, discrepancy_sd: f64) -> DMatrix<f64> {
     DMatrix::from_fn(cell.soft.nrows(), kept(cell, discrepancy_sd), |row, column| {
         cell.soft[(row, column)] * if column < cell.discrepancy { 1.0 } else { discrepancy_sd }
     })
-}
-
-/// Solves A x = b for a symmetric A ≥ 0 after scaling to a unit diagonal; `None` when A is singular to rounding.
-pub fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
-    let scale = scaling(a)?;
-    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * scale[i] * scale[j]);
-    let right = DVector::from_fn(b.len(), |i, _| b[i] * scale[i]);
-    let solution = scaled.cholesky()?.solve(&right);
-    let solution = DVector::from_fn(b.len(), |i, _| solution[i] * scale[i]);
-    solution.iter().all(|value| value.is_finite()).then_some(solution)
-}
-
-/// Inverse of a symmetric A ≥ 0, scaled the same way.
-pub fn inverse(a: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let scale = scaling(a)?;
-    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * scale[i] * scale[j]);
-    let inverse = scaled.cholesky()?.inverse();
-    Some(DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| inverse[(i, j)] * scale[i] * scale[j]))
-}
-
-fn scaling(a: &DMatrix<f64>) -> Option<Vec<f64>> {
-    (0..a.nrows()).map(|i| (a[(i, i)] > 0.0).then(|| 1.0 / a[(i, i)].sqrt())).collect()
-}
-
-/// The part of a matrix that belongs to chosen candidates.
-pub fn submatrix(a: &DMatrix<f64>, chosen: &[usize]) -> DMatrix<f64> {
-    DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| a[(chosen[i], chosen[j])])
-}
-
-/// The part of a vector that belongs to chosen candidates.
-pub fn subvector(a: &DVector<f64>, chosen: &[usize]) -> DVector<f64> {
-    DVector::from_fn(chosen.len(), |i, _| a[chosen[i]])
 }

@@ -4,4 +4,6 @@ pub mod bootstrap;
 pub mod levels;
 pub mod linear;
 pub mod median;
+pub mod normal;
+pub mod products;
 pub mod random;

@@ -26,8 +26,8 @@ pub(super) fn surest(
     signals: &[Signal],
     laws: &Laws<'_>,
 ) -> Option<(usize, f64)> {
-    let beside = with_laws(at, laws);
-    let listed = at.perturbations.len();
+    let beside = with_laws(at, active, laws);
+    let listed = beside.perturbations.len() - count(laws);
     let free: Vec<usize> = active.iter().copied().chain(laws.free.clone().map(candidate_of)).collect();
     let own = beside.places(&free);
     let off = beside.systematic_beside(&free, signals);
@@ -40,17 +40,22 @@ pub(super) fn surest(
     laws.asked.clone().filter_map(sure).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
-/// The same evaluation with a column more for each law.
-fn with_laws(at: &Evaluation, laws: &Laws<'_>) -> Evaluation {
-    let (columns, laws) = (laws.columns, laws.asked.end.max(laws.free.end));
-    let mut beside = at.clone();
-    for cell in beside.blocks.iter_mut().flat_map(|block| &mut block.cells) {
-        let (listed, more) = (cell.columns.ncols(), columns(cell));
-        cell.columns = cell.columns.clone().resize_horizontally(listed + laws, 0.0);
-        cell.columns.columns_mut(listed, laws).copy_from(&more);
-    }
-    beside.perturbations.extend((0..laws).map(|law| Perturbation { candidate: candidate_of(law), by: 1.0 }));
-    beside.with(&at.sigmas)
+/// The same evaluation with the columns of the effects that are on, and one for each law.
+fn with_laws(at: &Evaluation, active: &[usize], laws: &Laws<'_>) -> Evaluation {
+    let on = at.places(active);
+    let columns = |cell: &Cell| {
+        let mut all = cell.columns.select_columns(&on).resize_horizontally(on.len() + count(laws), 0.0);
+        all.columns_mut(on.len(), count(laws)).copy_from(&(laws.columns)(cell));
+        all
+    };
+    let law = |law| Perturbation { candidate: candidate_of(law), by: 1.0 };
+    let perturbations = on.iter().map(|place| at.perturbations[*place]).chain((0..count(laws)).map(law));
+    at.with_columns(perturbations.collect(), columns)
+}
+
+/// How many laws have columns.
+fn count(laws: &Laws<'_>) -> usize {
+    laws.asked.end.max(laws.free.end)
 }
 
 /// The number that a law has among candidates: no candidate's.

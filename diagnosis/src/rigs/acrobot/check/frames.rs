@@ -4,15 +4,30 @@ use super::policy::CHECK;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::{HALF, PART, ROUNDING};
-use crate::statistics::linear::{Cell, Reduced, reduce};
+use crate::statistics::linear::{Cell, Projected, projected};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Frames in the order of time, each with its run, its time, and what is left of it.
 pub(super) struct Frames {
-    all: Vec<(usize, f64, Reduced)>,
+    all: Vec<(usize, f64, Left)>,
     /// Squares that noise doesn't leave.
     more: f64,
+}
+
+/// What nuisances leave of a frame: the squares, and how many noise leaves, and of each column its score and its squared length.
+struct Left {
+    square: f64,
+    freedom: f64,
+    columns: Vec<(f64, f64)>,
+}
+
+impl Left {
+    fn of(cell: &Cell, discrepancy_sd: f64) -> Self {
+        let Projected { residual, columns, freedom, .. } = projected(cell, discrepancy_sd);
+        let columns = columns.column_iter().map(|own| (own.dot(&residual), own.norm_squared()));
+        Self { square: residual.norm_squared(), freedom, columns: columns.collect() }
+    }
 }
 
 /// An effect of the camera that swings with time.
@@ -52,7 +67,7 @@ impl Frames {
             .flat_map(|block| block.cells.iter().map(move |cell| (block.run, cell)))
             .collect();
         let reduced = |(run, cell): &(usize, &Cell)| {
-            (*run, cell.time.first().copied().unwrap_or(0.0), reduce(cell, at.discrepancy_sd))
+            (*run, cell.time.first().copied().unwrap_or(0.0), Left::of(cell, at.discrepancy_sd))
         };
         let all: Vec<_> = cells.par_iter().map(reduced).collect();
         let more = all.iter().map(|(_, _, left)| left.square - left.freedom).sum();
@@ -94,8 +109,8 @@ impl Frames {
 
     /// The effect of the camera that explains most of what is left if it swings with time.
     pub(super) fn swing(&self, at: &Evaluation, list: &[Candidate]) -> Option<Swing> {
-        let runs: Vec<&[(usize, f64, Reduced)]> = self.all.chunk_by(|a, b| a.0 == b.0).collect();
-        let length = |run: &&[(usize, f64, Reduced)]| run[run.len() - 1].1 - run[0].1;
+        let runs: Vec<&[(usize, f64, Left)]> = self.all.chunk_by(|a, b| a.0 == b.0).collect();
+        let length = |run: &&[(usize, f64, Left)]| run[run.len() - 1].1 - run[0].1;
         let longest = runs.iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
         let (span, count) = (length(longest), longest.len());
         // by half the resolution of the longest run, as fast as frames tell
@@ -103,9 +118,10 @@ impl Frames {
         let still = |candidate: &Candidate| {
             candidate.side == Side::Camera && !candidate.is_discrete() && !candidate.is(Attribute::ImageDelay)
         };
-        let columns: Vec<(usize, usize)> = (0..list.len())
+        let told = |column: usize| runs.iter().map(|run| Told::by(run, column)).collect();
+        let columns: Vec<(usize, Vec<Told>)> = (0..list.len())
             .filter(|index| still(&list[*index]))
-            .filter_map(|index| Some((index, *at.places(&[index]).first()?)))
+            .filter_map(|index| Some((index, told(*at.places(&[index]).first()?))))
             .collect();
         let gains: Vec<Vec<f64>> = (2..swings)
             .into_par_iter()
@@ -114,13 +130,12 @@ impl Frames {
                 let phases: Vec<Vec<(f64, f64)>> = (runs.iter())
                     .map(|run| run.iter().map(|(_, time, _)| libm::sincos(TAU * hertz * time)).collect())
                     .collect();
-                let gain = |column: usize| {
-                    runs.iter().zip(&phases).map(|(run, phases)| swung(run, phases, column)).sum::<f64>()
-                };
-                columns.iter().map(|(_, column)| gain(*column)).collect()
+                let gain =
+                    |told: &[Told]| told.iter().zip(&phases).map(|(run, phases)| run.swung(phases)).sum();
+                columns.iter().map(|(_, told)| gain(told)).collect()
             })
             .collect();
-        let best = |(place, (candidate, _)): (usize, &(usize, usize))| {
+        let best = |(place, (candidate, _)): (usize, &(usize, Vec<Told>))| {
             let own = gains.iter().map(|gains| gains[place]);
             let (half, gain) = own.clone().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
             let usual = own.sum::<f64>() / gains.len() as f64;
@@ -137,27 +152,35 @@ impl Frames {
 }
 
 /// Decrease of the squares that a value of its own brings.
-fn gain(left: &Reduced, column: usize) -> f64 {
-    let length = left.gram[(column, column)];
-    if length > 0.0 { left.score[column].powi(2) / length } else { 0.0 }
+fn gain(left: &Left, column: usize) -> f64 {
+    let (score, length) = left.columns[column];
+    if length > 0.0 { score * score / length } else { 0.0 }
 }
 
-/// Decrease of a run's squares by a value that swings, of the best size and phase.
-fn swung(run: &[(usize, f64, Reduced)], phases: &[(f64, f64)], column: usize) -> f64 {
-    let (mut score, mut gram) = ([0.0; 2], [0.0; 3]);
-    for ((_, _, left), (sin, cos)) in run.iter().zip(phases) {
-        let (own, length) = (left.score[column], left.gram[(column, column)]);
-        score[0] += cos * own;
-        score[1] += sin * own;
-        gram[0] += cos * cos * length;
-        gram[1] += cos * sin * length;
-        gram[2] += sin * sin * length;
+/// What a run's frames tell of one value: for each the score and the squared length of its column.
+struct Told(Vec<(f64, f64)>);
+
+impl Told {
+    fn by(run: &[(usize, f64, Left)], column: usize) -> Self {
+        Self(run.iter().map(|(_, _, left)| left.columns[column]).collect())
     }
-    let determinant = gram[0] * gram[2] - gram[1] * gram[1];
-    // a phase that no frame shows
-    if determinant <= ROUNDING * gram[0] * gram[2] {
-        return 0.0;
+
+    /// Decrease of the squares by a value that swings, of the best size and phase.
+    fn swung(&self, phases: &[(f64, f64)]) -> f64 {
+        let (mut score, mut gram) = ([0.0; 2], [0.0; 3]);
+        for ((own, length), (sin, cos)) in self.0.iter().zip(phases) {
+            score[0] += cos * own;
+            score[1] += sin * own;
+            gram[0] += cos * cos * length;
+            gram[1] += cos * sin * length;
+            gram[2] += sin * sin * length;
+        }
+        let determinant = gram[0] * gram[2] - gram[1] * gram[1];
+        // a phase that no frame shows
+        if determinant <= ROUNDING * gram[0] * gram[2] {
+            return 0.0;
+        }
+        (gram[2] * score[0] * score[0] - 2.0 * gram[1] * score[0] * score[1] + gram[0] * score[1] * score[1])
+            / determinant
     }
-    (gram[2] * score[0] * score[0] - 2.0 * gram[1] * score[0] * score[1] + gram[0] * score[1] * score[1])
-        / determinant
 }

@@ -9,7 +9,7 @@ use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::residual::{Block, Perturbation, Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::statistics::levels::FINE;
-use crate::statistics::linear::{Cell, Reduced, Sized, bare, reduce, solve, submatrix, subvector};
+use crate::statistics::linear::{Cell, Reduced, Sized, bare, solve, submatrix, subvector};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -115,6 +115,28 @@ impl Evaluation {
         same
     }
 
+    /// The same residuals, with other columns for each cell.
+    pub fn with_columns(
+        &self,
+        perturbations: Vec<Perturbation>,
+        columns: impl Fn(&Cell) -> DMatrix<f64>,
+    ) -> Self {
+        let cells = |block: &Block| block.cells.iter().map(|cell| cell.with_columns(columns(cell))).collect();
+        let blocks = self.blocks.iter().map(|block| Block { cells: cells(block), ..*block }).collect();
+        let mut same = Self {
+            point: self.point.clone(),
+            perturbations,
+            blocks,
+            reduced: Vec::new(),
+            total: Reduced::zero(0),
+            discrepancy_sd: self.discrepancy_sd,
+            sigmas: self.sigmas.clone(),
+            seen: self.seen.clone(),
+        };
+        same.reduce();
+        same
+    }
+
     /// The same residuals without a discrepancy.
     pub fn hard(&self) -> Self {
         let mut same = Self { discrepancy_sd: 0.0, ..self.clone() };
@@ -131,7 +153,7 @@ impl Evaluation {
             .par_iter()
             .map(|block| {
                 let mut sum = Reduced::zero(p);
-                block.cells.iter().for_each(|cell| sum.add(&reduce(cell, discrepancy_sd)));
+                block.cells.iter().for_each(|cell| sum.add_cell(cell, discrepancy_sd));
                 sum
             })
             .collect();

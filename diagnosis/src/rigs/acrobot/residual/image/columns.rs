@@ -31,8 +31,18 @@ impl ImageCut {
         settings: &[Setting],
         shots: &[Shot],
     ) -> Result<Vec<[Option<Seen>; 2]>, Error> {
-        let mut sides = Vec::with_capacity(2);
-        for angle in 0..2 {
+        let [first, second] = [self.turned_by(settings, shots, 0)?, self.turned_by(settings, shots, 1)?];
+        Ok(first.into_iter().zip(second).map(|(a, b)| [a, b]).collect())
+    }
+
+    /// Change of the image with an angle: a surface over the sampled frames, or frame by frame where there are too few for one.
+    fn turned_by(
+        &self,
+        settings: &[Setting],
+        shots: &[Shot],
+        angle: usize,
+    ) -> Result<Vec<Option<Seen>>, Error> {
+        let raw = |shots: &[Shot]| -> Result<Vec<Option<Seen>>, Error> {
             let moved = |by: f64| -> Vec<Shot> {
                 let turn = |state: &State| {
                     let mut turned = *state;
@@ -41,21 +51,20 @@ impl ImageCut {
                 };
                 shots.iter().map(|shot| shot.moved(turn)).collect()
             };
-            let (up, down) = (
-                self.studio.take(settings, &moved(IMAGES.turn))?,
-                self.studio.take(settings, &moved(-IMAGES.turn))?,
-            );
-            let raw = slopes(&up, &down, 2.0 * IMAGES.turn);
-            let samples: Vec<(State, Seen)> =
-                shots.iter().zip(&raw).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
-            let surface = Surface::fit(&samples, Terms::Poses);
-            sides.push(
-                (0..raw.len()).map(|place| surface.or(raw[place], &shots[place].end)).collect::<Vec<_>>(),
-            );
+            let (up, down) = (moved(IMAGES.turn), moved(-IMAGES.turn));
+            let (up, down) = (self.studio.take(settings, &up)?, self.studio.take(settings, &down)?);
+            Ok(slopes(&up, &down, 2.0 * IMAGES.turn))
+        };
+        let sampled: Vec<Shot> = self.sampled().map(|place| shots[place]).collect();
+        let slopes = raw(&sampled)?;
+        let samples: Vec<(State, Seen)> =
+            sampled.iter().zip(&slopes).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
+        let surface = Surface::fit(&samples, Terms::Poses);
+        match surface.is_none() {
+            true if slopes.len() == shots.len() => Ok(slopes),
+            true => raw(shots),
+            false => Ok(shots.iter().map(|shot| surface.at(&shot.end)).collect()),
         }
-        let second = sides.pop().unwrap_or_default();
-        let first = sides.pop().unwrap_or_default();
-        Ok(first.into_iter().zip(second).map(|(a, b)| [a, b]).collect())
     }
 
     /// What an exposure that is longer by one interval would do by its earlier middle alone.

@@ -257,10 +257,24 @@ impl ImageCut {
         let shots = self.frames.iter().map(|frame| frame.shot).collect();
         let studio = &self.studio;
         let made = self.made.frames(settings, shots, |settings, shots| studio.average(settings, shots))?;
-        if self.turns.is_none() {
-            self.turns = Some(self.turned(&made.settings, &made.shots)?);
-        }
+        self.turn(&made.settings, &made.shots)?;
         Ok(made)
+    }
+
+    /// Renders at the poses, without the sensor's noise.
+    fn noiseless(&mut self, point: &[f64]) -> Result<Vec<Option<Seen>>, Error> {
+        let settings = self.settings(point, None)?;
+        let shots: Vec<Shot> = self.frames.iter().map(|frame| frame.shot).collect();
+        self.turn(&settings, &shots)?;
+        self.studio.take(&settings, &shots)
+    }
+
+    /// Finds the image's change with the angles, unless it is known.
+    fn turn(&mut self, settings: &[Setting], shots: &[Shot]) -> Result<(), Error> {
+        if self.turns.is_none() {
+            self.turns = Some(self.turned(settings, shots)?);
+        }
+        Ok(())
     }
 }
 

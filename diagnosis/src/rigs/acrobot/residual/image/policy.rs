@@ -17,7 +17,7 @@ pub struct Images {
     pub rounds: u64,
     /// Rounds for a small step of the exposure, whose blur is little beside the lattice's error.
     pub more_rounds: u64,
-    /// Most frames at which a column is taken.
+    /// Most frames at which a column is taken. With half of them a webcam's lens of seven terms that nearly cancel is *unknown*.
     pub sampled: usize,
     /// Way of a circle of 10 px during the exposure, px, beyond which a blur is more than that. A shorter smear is nearly straight
     /// and keeps the blob's middle: where the circle speeds up by 500 px/s², a third of a 30 Hz interval leaves 0.002 px of it.

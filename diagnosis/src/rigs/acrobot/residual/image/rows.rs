@@ -17,7 +17,16 @@ impl ImageCut {
         perturbations: &[Perturbation],
     ) -> Result<Vec<Block>, Error> {
         let made = self.base(point)?;
-        let base = &made.seen;
+        self.compared(point, perturbations, &made.seen)
+    }
+
+    /// The same with what the model's camera makes of the frames.
+    pub(super) fn compared(
+        &mut self,
+        point: &[f64],
+        perturbations: &[Perturbation],
+        base: &[Option<Seen>],
+    ) -> Result<Vec<Block>, Error> {
         let columns = self.image_columns(point, perturbations)?;
         let free = !matches!(self.pose, Pose::Logged(..));
         self.unseen = (self.frames.iter().zip(base))

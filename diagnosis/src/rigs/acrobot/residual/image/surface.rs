@@ -72,11 +72,6 @@ impl Surface {
         Some(std::array::from_fn(|s| weights[s].dot(&row)))
     }
 
-    /// The surface at a state, or what the frame itself shows where there is no surface; nothing where the frame shows nothing.
-    pub(super) fn or(&self, raw: Option<Seen>, state: &State) -> Option<Seen> {
-        raw.map(|raw| self.at(state).unwrap_or(raw))
-    }
-
     /// The terms of the surface at a state: products of powers of the scaled angles, and of the rates where these count, too.
     fn row(&self, state: &State) -> Vec<f64> {
         let x: State = std::array::from_fn(|i| (state[i] - self.middle[i]) / self.scale[i]);

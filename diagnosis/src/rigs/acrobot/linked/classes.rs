@@ -41,7 +41,7 @@ pub fn weigh_linked_classes(
     };
     let linked = Linked::of(data, model, list, &study.last.point, &sigma);
     let Ok(Some(mut linked)) = linked else { return };
-    let Ok(start) = linked.first_path(&study.last.point) else { return };
+    let Ok((start, _)) = linked.first_path(&study.last.point) else { return };
     for (effect, class) in classes.iter_mut().filter(|(effect, class)| is_open(*effect, class, list)) {
         if watch.is_over("the comparison of names that look alike") {
             return;
@@ -74,7 +74,7 @@ fn judge_class(
     for _ in 0..2 {
         let own = fit_member(asked[best], start, Some(sizes))?;
         // process noise that a wrong member needs must not take what tells it from the right one
-        let held = At { noise: own.at.noise.clone(), ..start.clone() };
+        let held = own.at.clone();
         fits = vec![(best, own)];
         for (place, other) in asked.iter().enumerate().filter(|(place, _)| *place != best) {
             watch.trying(list[other.candidate].name, place + 1, asked.len());

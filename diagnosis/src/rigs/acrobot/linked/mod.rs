@@ -20,9 +20,9 @@ use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;
 use crate::dynamics::machine::Role;
 use crate::error::Error;
-use crate::infer::fit::{At, Fit, Options, fit};
+use crate::infer::fit::{At, Fit, Options, fit, fit_from};
 use crate::infer::likelihood::maximise;
-use crate::infer::{Noise, Sizes};
+use crate::infer::{Linearised, Noise, Sizes};
 use crate::observe::{OutputEffect, Run};
 use crate::rigs::acrobot::candidates::{Candidate, actuator};
 use crate::rigs::acrobot::dataset::DataSet;
@@ -97,18 +97,32 @@ impl<'a> Linked<'a> {
         theta
     }
 
-    /// Path and noises at a point, before anything is fitted.
-    fn first_path(&mut self, point: &[f64]) -> Result<At, Error> {
+    /// Path and noises at a point before anything is fitted, and the runs about that path.
+    fn first_path(&mut self, point: &[f64]) -> Result<(At, Vec<Linearised>), Error> {
         let theta = self.theta(point);
-        Ok(self.built.begin_fit(&theta, &Trails::default())?.0)
+        self.built.begin_fit(&theta, &Trails::default())
+    }
+
+    /// The effects that are on fitted at a point, with the path and the noises.
+    fn fitted_anew(&mut self, point: &[f64], active: &[usize]) -> Result<Fit, Error> {
+        let (start, runs) = self.first_path(point)?;
+        let sizes = Some(&self.built.sizes);
+        match self.free(active)[..] {
+            [] => fit_from(&self.built.engine, &start, runs, &[], sizes, &OPTIONS),
+            _ => self.fitted(&start, point, active, sizes),
+        }
     }
 
     /// The candidates `free` fitted, with the path, from `start` on at `point`; and with the sizes of the noises, unless they are held.
     fn fitted(&self, start: &At, point: &[f64], free: &[usize], sizes: Option<&Sizes>) -> Result<Fit, Error> {
         let at = At { theta: self.theta(point), ..start.clone() };
-        let real = free.iter().filter(|index| !self.list[**index].is_discrete());
-        let free: Vec<usize> = real.filter_map(|index| self.places[*index]).collect();
-        fit(&self.built.engine, &at, &free, sizes, &OPTIONS)
+        fit(&self.built.engine, &at, &self.free(free), sizes, &OPTIONS)
+    }
+
+    /// The parameters that are candidates with a continuous value.
+    fn free(&self, candidates: &[usize]) -> Vec<usize> {
+        let real = candidates.iter().filter(|index| !self.list[**index].is_discrete());
+        real.filter_map(|index| self.places[*index]).collect()
     }
 }
 

@@ -54,8 +54,7 @@ pub fn unlisted_law(
     };
     let point = &study.last.point;
     let Some(mut linked) = Linked::of(data, model, list, point, &sigma)? else { return Ok(None) };
-    let start = linked.first_path(point)?;
-    let fit = linked.fitted(&start, point, &study.active, Some(&linked.built.sizes))?;
+    let fit = linked.fitted_anew(point, &study.active)?;
     let laws = Laws::of(&linked, list, &fit, all_laws(readings))?;
     Ok(laws.and_then(|laws| laws.surest(&fit, &linked.built.sizes)))
 }

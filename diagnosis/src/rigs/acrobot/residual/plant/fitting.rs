@@ -44,8 +44,22 @@ impl PlantCut {
         slackened: bool,
         from: Fit,
     ) -> Result<Fit, Error> {
+        let rounds = if window.kept.is_some() { 2 } else { 4 };
+        self.settle_in(rounds, window, layout, settings, slackened, from)
+    }
+
+    /// The same in at most so many rounds.
+    pub(super) fn settle_in(
+        &self,
+        rounds: usize,
+        window: &Window,
+        layout: &Layout,
+        settings: &[Setting],
+        slackened: bool,
+        from: Fit,
+    ) -> Result<Fit, Error> {
         let mut fit = from;
-        for _ in 0..if window.kept.is_some() { 2 } else { 4 } {
+        for _ in 0..rounds {
             self.nuisance_columns(window, layout, settings, slackened, &mut fit)?;
             let Some((whole, slack)) = next(&fit, slackened) else { break };
             let mut length = 1.0;

@@ -100,13 +100,15 @@ impl PlantCut {
         let stuck = [[q1, q2, both, both], [q1, q2, 0.0, dq2], [q1, q2, 0.0, 0.0]];
         let starts: Vec<State> = from_before.into_iter().chain(stuck).collect();
         let layout = Layout::of(self, here);
-        let settled = |start: &State| -> Option<Fit> {
-            let begun = here.started_at(*start);
+        let begun = here.started_at(fit.start);
+        let near = |start: &State| -> Option<Fit> {
             let fit = self.fit(&begun, &layout, settings, *start, begun.slack.clone()).ok()?;
-            self.settle(&begun, &layout, settings, false, fit).ok()
+            self.settle_in(1, &begun, &layout, settings, false, fit).ok()
         };
-        let fits: Vec<Fit> = starts.par_iter().filter_map(settled).collect();
-        let best = fits.into_iter().min_by(|a, b| square(&a.cell).total_cmp(&square(&b.cell)))?;
+        // one round tells the valleys apart; the deepest is followed to its ground
+        let near: Vec<Fit> = starts.par_iter().filter_map(near).collect();
+        let near = near.into_iter().min_by(|a, b| square(&a.cell).total_cmp(&square(&b.cell)))?;
+        let best = self.settle(&begun, &layout, settings, false, near).ok()?;
         (square(&best.cell) < WINDOWS.deeper * squares(fit)).then_some(best.start)
     }
 

@@ -9,7 +9,7 @@ use super::parameter_steps::first_step;
 use super::policy::DYNAMICS;
 use crate::error::{Error, Notice};
 use crate::infer::fit::At;
-use crate::infer::likelihood::{maximise, maximise_within};
+use crate::infer::likelihood::maximise;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Noise, Sizes};
 use crate::nuisance::{Scatter, scatter};
@@ -46,13 +46,9 @@ impl Built {
         let runs = self.engine.chords(theta, &paths, &[])?;
         let from = |share: &f64| {
             let process = self.noise.process.iter().map(|size| share * size).collect();
-            let (noise, deviance, _) =
-                maximise_within(&runs, &[], &Noise { process, ..self.noise.clone() }, &self.sizes, FEW);
-            (noise, deviance)
+            maximise(&runs, &[], &Noise { process, ..self.noise.clone() }, &self.sizes)
         };
-        // a few rounds tell the valleys apart; the best one is followed to its end
         let best = DYNAMICS.first_process.iter().map(from).min_by(|a, b| a.1.total_cmp(&b.1));
-        let best = best.map(|(noise, _)| maximise(&runs, &[], &noise, &self.sizes));
         let noise = best.map_or(self.noise.clone(), |(noise, _)| noise);
         Ok((At { theta: theta.to_vec(), paths, noise }, runs))
     }

@@ -27,7 +27,7 @@ pub struct Unit {
     pub name: String,
     /// The unit.
     pub fmu: Fmu,
-    /// Values that differ from its start values.
+    /// Values that differ from its start values, one for each variable.
     pub settings: Vec<(u32, Value)>,
 }
 
@@ -213,11 +213,21 @@ fn reference(model: &Nominal, id: VariableId) -> Reference {
 fn instances(model: &Nominal) -> Vec<Unit> {
     let of = |(instance, fmu): (usize, &Fmu)| {
         let own = model.set.iter().filter(|(id, _)| id.instance == instance);
-        let settings = own.map(|(id, value)| (model.variable(*id).reference, value.clone()));
+        let settings = last_of_each(own.map(|(id, value)| (model.variable(*id).reference, value)));
         let name = model.scenario.units[instance].name.clone();
-        Unit { name, fmu: fmu.clone(), settings: settings.collect() }
+        Unit { name, fmu: fmu.clone(), settings }
     };
     model.fmus.iter().enumerate().map(of).collect()
+}
+
+/// The last value that is given for each variable; those of different types may have the same reference.
+fn last_of_each<'a>(given: impl Iterator<Item = (u32, &'a Value)>) -> Vec<(u32, Value)> {
+    let mut last: Vec<(u32, Value)> = Vec::new();
+    for (reference, value) in given {
+        last.retain(|(known, before)| (*known, before.kind()) != (reference, value.kind()));
+        last.push((reference, value.clone()));
+    }
+    last
 }
 
 /// Fed inputs, those last that nobody logged, and compared outputs.
@@ -313,4 +323,17 @@ fn converted(model: &Nominal, from: VariableId, to: VariableId, transform: Trans
         Affine { scale: a.factor / b.factor, offset }
     });
     Affine { scale: gain * by.scale, offset: gain * by.offset + bias }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_a_variable_starts_at_the_last_value_that_was_said() {
+        let given =
+            [(1, Value::Real(1.0)), (2, Value::Real(2.0)), (1, Value::Integer(3)), (1, Value::Real(4.0))];
+        let last = last_of_each(given.iter().map(|(reference, value)| (*reference, value)));
+        assert_eq!(last, [(2, Value::Real(2.0)), (1, Value::Integer(3)), (1, Value::Real(4.0))]);
+    }
 }

@@ -214,14 +214,17 @@ impl Worker {
             if self.resets {
                 self.instances[place].reset().map_err(failed)?;
             }
-            self.reals[place].0.clear();
-            self.reals[place].1.clear();
-            self.others[place].clear();
+            let ((references, values), others) = (&mut self.reals[place], &mut self.others[place]);
+            references.clear();
+            values.clear();
+            others.clear();
             for (reference, value) in &unit.settings {
-                match value {
-                    // one call sets them all
-                    Value::Real(value) => self.start_real(place, *reference, *value),
-                    _ => self.others[place].push((*reference, value.clone())),
+                // one call sets all real ones
+                if let Value::Real(value) = value {
+                    references.push(*reference);
+                    values.push(*value);
+                } else {
+                    others.push((*reference, value.clone()));
                 }
             }
         }
@@ -247,7 +250,7 @@ impl Worker {
         self.instances.iter_mut().try_for_each(|instance| instance.exit_initialization()).map_err(failed)
     }
 
-    /// A real variable of a unit starts at a value, whatever was said of it before.
+    /// A real variable of a unit starts at a value, whatever the nominal model says of it.
     fn start_real(&mut self, unit: usize, reference: u32, value: f64) {
         let (references, values) = &mut self.reals[unit];
         match references.iter().position(|known| *known == reference) {

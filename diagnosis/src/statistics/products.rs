@@ -55,3 +55,28 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Random;
+
+    #[test]
+    fn value_products_are_those_of_matrices_with_columns_of_zeros_left_out_or_not() {
+        let mut random = Random::new(1);
+        // rows that fill the eight sums once, with a rest
+        let (rows, columns) = (13, 5);
+        let mut matrix = DMatrix::from_fn(rows, columns, |_, _| random.uniform() - 0.5);
+        matrix.column_mut(2).fill(0.0);
+        let residual = DVector::from_fn(rows, |_, _| random.uniform() - 0.5);
+        let (mut score, mut gram) = (DVector::zeros(columns), DMatrix::zeros(columns, columns));
+        // twice: what was there stays
+        for _ in 0..2 {
+            add_products(&matrix, residual.as_slice(), &mut score, &mut gram);
+        }
+        // sums of thirteen products below 1, in another order
+        let rounding = 1e-14;
+        assert!((score - 2.0 * matrix.tr_mul(&residual)).amax() < rounding);
+        assert!((gram - 2.0 * matrix.tr_mul(&matrix)).amax() < rounding);
+    }
+}

@@ -56,12 +56,12 @@ impl ImageCut {
             Ok(slopes(&up, &down, 2.0 * IMAGES.turn))
         };
         let sampled: Vec<Shot> = self.sampled().map(|place| shots[place]).collect();
-        let slopes = raw(&sampled)?;
+        let found = raw(&sampled)?;
         let samples: Vec<(State, Seen)> =
-            sampled.iter().zip(&slopes).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
+            sampled.iter().zip(&found).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
         let surface = Surface::fit(&samples, Terms::Poses);
         match surface.is_none() {
-            true if slopes.len() == shots.len() => Ok(slopes),
+            true if found.len() == shots.len() => Ok(found),
             true => raw(shots),
             false => Ok(shots.iter().map(|shot| surface.at(&shot.end)).collect()),
         }

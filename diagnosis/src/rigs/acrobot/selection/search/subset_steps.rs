@@ -56,10 +56,12 @@ impl Search<'_> {
         found
     }
 
-    /// What the linear effects of the image say together, where there are several and the image is all that is compared.
+    /// What the linear effects of the image say together, where there are several, or one that didn't stay alone, and the image is all that is
+    /// compared.
     fn linear_subsets(&self) -> Option<Subsets<'_>> {
         let policy = self.cut.policy();
-        if !policy.lattice || policy.free_pose || self.active.len() < 2 {
+        let several = self.active.len() > 1 || self.vain > 0;
+        if !policy.lattice || policy.free_pose || !several {
             return None;
         }
         Subsets::of(&self.last, self.candidates, &self.active, self.cut.signals())
@@ -99,6 +101,7 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::Search;
     use crate::rigs::acrobot::candidates::Side;
     use crate::rigs::acrobot::residual::Policy;
     use crate::rigs::acrobot::selection::examples::{candidate, toy_like};
@@ -122,5 +125,24 @@ mod tests {
         assert_eq!(left(0.0), [2]);
         // a tenth of 100 standard deviations is more than two effects are worth
         assert_eq!(left(0.1), [0, 1]);
+    }
+
+    #[test]
+    fn law_two_that_hide_each_other_are_asked_together_once_one_of_them_did_not_stay() {
+        let candidates = [(); 2].map(|()| candidate(Side::Camera, false));
+        let image = Policy { lattice: true, ..Policy::USUAL };
+        // one of each, which do the opposite but for a tenth: alone either explains next to nothing
+        let rows = |x: &[f64]| vec![100.0 * (x[1] - x[0]), 10.0 * (2.0 - x[0] - x[1])];
+        let found = |vain: usize| {
+            let mut cut = toy_like(image, rows);
+            let mut search = Search::begin(&mut cut, &candidates, &[0.0; 2], &[]).expect("runs");
+            search.vain = vain;
+            let mut nobody = |_: &Doing<'_>| {};
+            search.all_at_once(&mut Watch::new(&mut nobody, None));
+            (search.active.clone(), search.last.point.clone())
+        };
+        assert_eq!(found(0), (vec![], vec![0.0; 2]));
+        let (active, point) = found(1);
+        assert!(active == [0, 1] && point.iter().all(|x| (x - 1.0).abs() < 1e-6), "{active:?} {point:?}");
     }
 }

@@ -45,12 +45,7 @@ fn ticks(time: &[f64]) -> Option<Clock> {
     if time.len() < LOGS.even_rows {
         return None;
     }
-    let whole = |decimal: f64| {
-        let off = |time: &f64| (time / decimal - (time / decimal).round()).abs();
-        time.iter().all(|time| off(time) < FINE + SEVERAL * f64::EPSILON * time.abs() / decimal)
-    };
-    let mut decimals = [SMALL, STEP, FINE, SMALL * FINE].into_iter();
-    let decimal = decimals.find(|decimal| whole(*decimal))?;
+    let decimal = quantum(time)?;
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_by(f64::total_cmp);
     let mut interval = gaps[gaps.len() / 2];
@@ -75,6 +70,23 @@ fn ticks(time: &[f64]) -> Option<Clock> {
     // two rows at one tick are none of an even clock's
     let each = ticks.windows(2).all(|pair| pair[1] - pair[0] > HALF * interval);
     (rounded && each).then_some(Clock { decimal, interval, ticks })
+}
+
+/// What times are whole numbers of from the first one on, s: of a decimal, or of so many as a clock of 250 Hz counts in.
+fn quantum(time: &[f64]) -> Option<f64> {
+    let whole = |decimal: f64| {
+        let off = |time: &f64| (time / decimal - (time / decimal).round()).abs();
+        time.iter().all(|time| off(time) < FINE + SEVERAL * f64::EPSILON * time.abs() / decimal)
+    };
+    let mut decimals = [SMALL, STEP, FINE, SMALL * FINE].into_iter();
+    let decimal = decimals.find(|decimal| whole(*decimal))?;
+    let counts = time.iter().map(|at| ((at - time[0]) / decimal).round().abs() as u64);
+    Some(decimal * counts.fold(0, divisor).max(1) as f64)
+}
+
+/// The greatest common divisor.
+fn divisor(one: u64, other: u64) -> u64 {
+    if other == 0 { one } else { divisor(other, one % other) }
 }
 
 /// The line through times against the numbers of their ticks: the first tick, and how far apart they are, s.
@@ -119,6 +131,20 @@ mod tests {
         assert!(off(1e-2, 0.0, &|_| true).is_some_and(|off| off < 4e-3));
         // an epoch, and rows that are missing
         assert!(off(1e-3, 1.7e9 + 0.004, &|row| row % 7 != 3).is_some_and(|off| off < 0.4e-3));
+    }
+
+    #[test]
+    fn recovers_the_ticks_behind_the_counts_of_another_clock() {
+        // 60 Hz in counts of 4 ms, cut off
+        let truth: Vec<f64> = (0..900).map(|row| f64::from(row) / 60.0).collect();
+        let time: Vec<f64> =
+            truth.iter().map(|time| ((time / 0.004 + 1e-9).floor() * 4.0).round() / 1e3).collect();
+        let found = ticks(&time).expect("an even clock");
+        assert!((found.decimal - 0.004).abs() < 1e-12, "{}", found.decimal);
+        let off: Vec<f64> = found.ticks.iter().zip(&truth).map(|(tick, truth)| tick - truth).collect();
+        // all alike, as far as a line through a sawtooth of 4 ms tells over 900 rows: to 4 ms / 900 at either end
+        let first = off[0];
+        assert!(first.abs() < 0.004 && off.iter().all(|off| (off - first).abs() < 1e-5), "{off:?}");
     }
 
     #[test]

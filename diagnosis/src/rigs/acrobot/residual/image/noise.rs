@@ -8,6 +8,8 @@
 use super::together::Together;
 use super::{ImageCut, Nuisances};
 use crate::error::Error;
+use crate::nuisance::least_gap;
+use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::channels::{AREAS_APART, CENTROIDS_APART};
 use crate::rigs::acrobot::policy::POLICY;
@@ -68,7 +70,8 @@ impl ImageCut {
         };
         let shots: Vec<_> = self.frames.iter().map(|frame| frame.shot).collect();
         let clean = self.studio.take(&self.settings(point, None)?, &shots)?;
-        let rendered = Rendered { cut: self, point, index, clean };
+        let made = stretches(shots.len());
+        let rendered = Rendered { cut: self, point, index, clean, made, quanta: self.quanta() };
         let residual = |place: usize| {
             let (here, seen) = (rendered.clean[place]?, &self.frames[place].seen);
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
@@ -77,12 +80,18 @@ impl ImageCut {
         let Some(mut seen) = self.scatter(std::slice::from_ref(&measured)) else { return Ok(None) };
         let nominal = self.candidates[index].off;
         let from = nominal.max(IMAGES.least);
-        let (Some(mut here), Some(more)) = (rendered.scatter(nominal)?, rendered.scatter(1.5 * from)?) else {
+        let usual = rendered.residuals(nominal, IMAGES.made)?;
+        // the same seeds in both
+        let (Some(mut here), Some(one), Some(more)) = (
+            self.scatter(&usual),
+            self.scatter(&usual[..1]),
+            self.scatter(&rendered.residuals(1.5 * from, 1)?),
+        ) else {
             return Ok(None);
         };
-        self.unsure_lattice(point, &rendered.clean, &mut here)?;
+        rendered.unsure_lattice(nominal, &mut here)?;
         let mut apart = compare(&seen, &here);
-        let slope = compare(&more, &here).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
+        let slope = compare(&more, &one).mean / if nominal > 0.0 { libm::log(1.5) } else { 1.0 };
         let detectable = match (nominal > 0.0, slope > 0.0) {
             (true, true) => nominal * (libm::exp(POLICY.clear * apart.error / slope) - 1.0),
             _ => from,
@@ -112,36 +121,10 @@ impl ImageCut {
             return Ok(None);
         };
         let Some(error) = rendered.error_of(&seen, value)? else { return Ok(None) };
-        let made = rendered.residuals(value)?;
+        let made = rendered.residuals(value, IMAGES.made)?;
         let larger = made.first().map_or(0.0, |made| larger(&measured, made));
         let together = self.together(&measured, &made);
         Ok(Some(Noise { nominal, value, error, detectable, clear: true, larger, together }))
-    }
-
-    /// Adds to the errors of a prediction how much it changes when the image moves by what isn't known of its place on the
-    /// lattice: in a machine that hardly moves, the same few pixels of the rim lie near the threshold all the time.
-    fn unsure_lattice(&self, point: &[f64], clean: &[Option<Seen>], into: &mut Scatter) -> Result<(), Error> {
-        let mut logs: [Vec<f64>; 3] = Default::default();
-        for (seed, (u, v)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
-            let settings = self
-                .shifted(&self.settings(point, None)?, (u * IMAGES.noise_beside, v * IMAGES.noise_beside))?;
-            let made = self.studio.noisy(&settings, &self.unsure(seed as i32), seed as i32)?;
-            let residual = |place: usize| {
-                let (here, made) = (clean[place]?, made[place]?);
-                self.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
-            };
-            let set: Vec<Option<Seen>> = (0..clean.len()).map(residual).collect();
-            if let Some(scatter) = self.scatter(&[set]) {
-                logs.iter_mut().zip(scatter).for_each(|(logs, (variance, _))| logs.push(libm::log(variance)));
-            }
-        }
-        for ((_, error), logs) in into.iter_mut().zip(&logs) {
-            let n = logs.len() as f64;
-            let mean = logs.iter().sum::<f64>() / n;
-            let spread = logs.iter().map(|log| (log - mean) * (log - mean)).sum::<f64>() / (n - 1.0).max(1.0);
-            *error = error.hypot(if n > 1.0 { spread.sqrt() } else { 0.0 });
-        }
-        Ok(())
     }
 
     /// The shots at poses as far beside as those may be that were measured.
@@ -154,6 +137,14 @@ impl ImageCut {
             shot.moved(moved)
         };
         self.frames.iter().map(|frame| &frame.shot).map(moved).collect()
+    }
+
+    /// What the log rounds each signal to.
+    fn quanta(&self) -> Seen {
+        std::array::from_fn(|signal| {
+            let values: Vec<f64> = self.frames.iter().map(|frame| frame.seen[signal]).collect();
+            least_gap(&values.into_iter().filter(|value| value.is_finite()).collect::<Vec<_>>())
+        })
     }
 
     /// Whether a frame has a pose.
@@ -201,6 +192,21 @@ struct Rendered<'a> {
     index: usize,
     /// What the camera makes without noise, frame by frame.
     clean: Vec<Option<Seen>>,
+    /// Frames that are made with noise.
+    made: Vec<usize>,
+    /// What the log rounds each signal to.
+    quanta: Seen,
+}
+
+/// A value as a log has it that rounds to a quantum, if there is one.
+fn rounded(value: f64, quantum: f64) -> f64 {
+    if quantum > 0.0 { (value / quantum).round() * quantum } else { value }
+}
+
+/// Stretches of neighbouring frames, evenly through all: enough to tell what scatter a noise makes.
+fn stretches(frames: usize) -> Vec<usize> {
+    let every = frames.div_ceil(IMAGES.sampled).max(1);
+    (0..frames).filter(|place| (place / IMAGES.noise_block).is_multiple_of(every)).collect()
 }
 
 impl Rendered<'_> {
@@ -211,24 +217,50 @@ impl Rendered<'_> {
         there
     }
 
-    /// What noise of `sigma` grey levels adds to each frame, one set for each of several seeds.
-    fn residuals(&self, sigma: f64) -> Result<Vec<Vec<Option<Seen>>>, Error> {
+    /// What noise of `sigma` grey levels adds to the frames that are made, one set of all frames for each seed.
+    fn residuals(&self, sigma: f64, seeds: i32) -> Result<Vec<Vec<Option<Seen>>>, Error> {
         let settings = self.cut.settings(&self.with_noise(sigma), None)?;
-        let mut sets = Vec::new();
-        for seed in 0..IMAGES.made {
-            let made = self.cut.studio.noisy(&settings, &self.cut.unsure(seed), seed)?;
-            let residual = |place: usize| {
-                let (here, made) = (self.clean[place]?, made[place]?);
-                self.cut.placed(place).then(|| std::array::from_fn(|s| made[s] - here[s]))
-            };
-            sets.push((0..self.clean.len()).map(residual).collect());
+        (0..seeds).map(|seed| self.residual(&settings, seed)).collect()
+    }
+
+    /// What the noise of a camera with these settings adds to the frames that are made.
+    fn residual(&self, settings: &[Setting], seed: i32) -> Result<Vec<Option<Seen>>, Error> {
+        let shots = self.cut.unsure(seed);
+        let shots: Vec<Shot> = self.made.iter().map(|place| shots[*place]).collect();
+        let mut all = vec![None; self.clean.len()];
+        for (place, made) in self.made.iter().zip(self.cut.studio.noisy(settings, &shots, seed)?) {
+            let (Some(here), Some(made)) = (self.clean[*place], made) else { continue };
+            all[*place] = self
+                .cut
+                .placed(*place)
+                .then(|| std::array::from_fn(|s| rounded(made[s], self.quanta[s]) - here[s]));
         }
-        Ok(sets)
+        Ok(all)
     }
 
     /// How noise of `sigma` grey levels scatters circle 1.
     fn scatter(&self, sigma: f64) -> Result<Option<Scatter>, Error> {
-        Ok(self.cut.scatter(&self.residuals(sigma)?))
+        Ok(self.cut.scatter(&self.residuals(sigma, IMAGES.made)?))
+    }
+
+    /// Adds to the errors of a prediction how much it changes when the image moves by what isn't known of its place on the
+    /// lattice: in a machine that hardly moves, the same few pixels of the rim lie near the threshold all the time.
+    fn unsure_lattice(&self, sigma: f64, into: &mut Scatter) -> Result<(), Error> {
+        let settings = self.cut.settings(&self.with_noise(sigma), None)?;
+        let mut logs: [Vec<f64>; 3] = Default::default();
+        for (seed, (u, v)) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
+            let moved = self.cut.shifted(&settings, (u * IMAGES.noise_beside, v * IMAGES.noise_beside))?;
+            if let Some(scatter) = self.cut.scatter(&[self.residual(&moved, seed as i32)?]) {
+                logs.iter_mut().zip(scatter).for_each(|(logs, (variance, _))| logs.push(libm::log(variance)));
+            }
+        }
+        for ((_, error), logs) in into.iter_mut().zip(&logs) {
+            let n = logs.len() as f64;
+            let mean = logs.iter().sum::<f64>() / n;
+            let spread = logs.iter().map(|log| (log - mean) * (log - mean)).sum::<f64>() / (n - 1.0).max(1.0);
+            *error = error.hypot(if n > 1.0 { spread.sqrt() } else { 0.0 });
+        }
+        Ok(())
     }
 
     /// The noise that scatters circle 1 as seen, grey levels: by bisection, above or below `from`.
@@ -254,7 +286,7 @@ impl Rendered<'_> {
         ) else {
             return Ok(None);
         };
-        self.cut.unsure_lattice(&self.with_noise(value), &self.clean, &mut there)?;
+        self.unsure_lattice(value, &mut there)?;
         let slope = compare(&above, &below).mean / (2.0 * libm::log(IMAGES.beside));
         Ok(Some(value * compare(seen, &there).error / slope.max(0.1)))
     }
@@ -327,6 +359,23 @@ mod tests {
         let one = [seen([-2.0, f64::NAN, f64::NAN]), None];
         assert_eq!(larger(&one, &[seen([1.0, 50.0, 50.0]), seen([9.0; 3])]), -3.0);
         assert_eq!(larger(&[None], &[seen([9.0; 3])]), 0.0);
+    }
+
+    #[test]
+    fn law_a_value_is_rounded_as_the_log_is() {
+        assert_eq!(rounded(3.14159, 0.25), 3.25);
+        assert_eq!(rounded(3.14159, 0.0), 3.14159);
+    }
+
+    #[test]
+    fn law_noise_is_made_in_stretches_of_neighbours_evenly_through_the_frames() {
+        assert_eq!(stretches(500), (0..500).collect::<Vec<_>>());
+        let some = stretches(2000);
+        // no more than what a column is taken at, and a stretch more
+        assert!(some.len() <= IMAGES.sampled + IMAGES.noise_block && some.len() > IMAGES.sampled / 2);
+        let apart = some.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
+        assert!(apart + 1 == some.len().div_ceil(IMAGES.noise_block), "{apart} gaps");
+        assert!(some[some.len() - 1] > 1800, "{some:?}");
     }
 
     #[test]

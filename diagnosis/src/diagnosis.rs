@@ -1,6 +1,7 @@
 //! What a diagnosis says: docs/diagnosis-json.md, field by field.
 
 use crate::error::Notice;
+pub use crate::gap::{Closing, Gap};
 use crate::overlay::Overlaid;
 use crate::planned::Planned;
 use crate::provenance::Provenance;
@@ -82,40 +83,6 @@ pub struct Where {
     pub region: String,
 }
 
-/// How far the gap closes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(Default))]
-pub struct Gap {
-    /// Root mean square of the nominal model's residual; not a number (null where it is written) where no row could be followed.
-    pub before: f64,
-    /// Of the amended model's residual; likewise.
-    pub after: f64,
-    /// Of what noise alone leaves.
-    pub floor: f64,
-    /// 1 - (after² - floor²)/(before² - floor²); nothing where no gap stands above the floor.
-    pub closed: Option<f64>,
-    /// Runs (or stretches of the only one) that the model which is judged on them never saw: for each the search was repeated without it.
-    pub held_out_runs: Vec<String>,
-    /// Where no search was repeated: runs that values were not fitted to, each in turn, while effects were chosen with all of them.
-    pub cross_validated: Vec<String>,
-    /// What was compared.
-    pub signal: String,
-    /// Unit of the three.
-    pub unit: String,
-}
-
-impl Gap {
-    /// Whether any row tells of it.
-    pub fn is_told(&self) -> bool {
-        self.before.is_finite()
-    }
-
-    /// The share that is closed in percent, as people are told it: what is left below noise is as good as noise.
-    pub fn percent(&self) -> Option<f64> {
-        self.closed.map(|closed| 100.0 * closed.min(1.0))
-    }
-}
-
 /// A residual that no candidate takes away.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Unknown {
@@ -168,21 +135,6 @@ pub struct Term {
     pub measure: String,
     /// In words.
     pub phrase: String,
-}
-
-/// How far it closes the gap that the effects leave, on runs left out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Closing {
-    /// Root mean square of the lacking torque without it, N·m.
-    pub before: f64,
-    /// With it.
-    pub after: f64,
-    /// What noise alone gives.
-    pub floor: f64,
-    /// 1 - (after² - floor²)/(before² - floor²).
-    pub closed: f64,
-    /// What was left out, each in turn.
-    pub held_out_runs: Vec<String>,
 }
 
 /// A labelled correction: no explanation.
@@ -307,6 +259,14 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// Of what is missing that has no name: after a whole search, or as far as it came.
+    pub fn nameless(&self) -> &'static str {
+        match self.ended_early.is_empty() {
+            true => "that no listed effect gives",
+            false => "that has no name yet: time was up before the search came to an end",
+        }
+    }
+
     /// Whether the gap is judged on a part of a run, of which the search saw the rest: its name says from when to when.
     pub fn left_out_a_part(&self) -> bool {
         let whole = |name: &String| self.provenance.runs.iter().any(|used| used.run == *name);

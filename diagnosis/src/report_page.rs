@@ -207,9 +207,10 @@ fn summary(diagnosis: &Diagnosis) -> String {
                 names.join(", ")
             )
         }
-        Verdict::Unknown if names.is_empty() => "Something is missing that no listed effect gives.".into(),
+        Verdict::Unknown if names.is_empty() => format!("Something is missing {}.", diagnosis.nameless()),
         Verdict::Unknown => format!(
-            "Something is missing that no listed effect gives; {} may stand for a part of it, or be missing beside it.",
+            "Something is missing {}; {} may stand for a part of it, or be missing beside it.",
+            diagnosis.nameless(),
             names.join(", ")
         ),
     }

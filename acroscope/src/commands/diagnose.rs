@@ -152,11 +152,7 @@ fn correction(correction: &Correction) {
     for term in &correction.terms {
         tell!("  {} = {} {}: {}", term.name, term.short(), term.measure, term.phrase);
     }
-    tell!(
-        "  that is {}; it takes away {:.0} % of what is left",
-        correction.label,
-        100.0 * correction.gap.closed
-    );
+    tell!("  that is {}; it takes away {:.0} % of what is left", correction.label, correction.gap.percent());
 }
 
 /// What a lab should do next, and the command that comes then.
@@ -184,10 +180,10 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
     tell!(
         "{}",
         match diagnosis.verdict {
-            Verdict::None => "nothing is missing that these data could show",
-            Verdict::Named => "the model lacks:",
-            Verdict::Ambiguous => "the model lacks (more than one name fits):",
-            Verdict::Unknown => "the model lacks something that no listed effect gives",
+            Verdict::None => "nothing is missing that these data could show".to_owned(),
+            Verdict::Named => "the model lacks:".to_owned(),
+            Verdict::Ambiguous => "the model lacks (more than one name fits):".to_owned(),
+            Verdict::Unknown => format!("the model lacks something {}", diagnosis.nameless()),
         }
     );
     diagnosis.effects.iter().for_each(effect);
@@ -228,6 +224,16 @@ mod tests {
         "--step-limit 2.5",
         "--after out/first",
     ];
+
+    #[test]
+    fn bad_input_a_budget_of_nothing_is_refused_with_its_value() {
+        for given in ["0", "-1", "nan"] {
+            let known = Diagnose::augment_args(Command::new("diagnose"));
+            let refused = known.try_get_matches_from(["diagnose", "data", "--budget", given]);
+            let text = refused.expect_err("no time for a search").to_string();
+            assert!(text.contains(&format!("'{given}'")) && text.contains("seconds above 0"), "{text}");
+        }
+    }
 
     #[test]
     fn every_option_is_in_the_command_that_makes_it_again_and_has_a_folder_of_its_own() {

@@ -37,8 +37,7 @@ impl Sums {
         let mean = |(square, count): (f64, f64)| (square / f64::max(count, 1.0)).sqrt();
         let (before, after, floor) = (mean(self.before), mean(self.after), mean(self.floor));
         let closed = (before > POLICY.gap_above * floor)
-            .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor))
-            .map(|closed| closed.min(1.0));
+            .then(|| 1.0 - (after * after - floor * floor) / (before * before - floor * floor));
         let (signal, unit) = of.words();
         let (signal, unit) = (signal.into(), unit.into());
         Gap {
@@ -229,6 +228,13 @@ mod tests {
         assert_eq!((open.before, open.after, open.closed), (2.0, 2.0, Some(0.0)));
         assert_eq!((quiet.before, quiet.after, quiet.closed), (1.0, 1.0, None));
     }
+
+    #[test]
+    fn law_what_comes_out_below_the_noise_is_more_than_closed() {
+        let sums = Sums { before: (9.0, 1.0), after: (0.8, 1.0), floor: (1.0, 1.0) };
+        assert!((sums.gap(Measure::Angles).closed.unwrap_or_default() - 1.025).abs() < 1e-12);
+    }
+
     #[test]
     fn law_a_gap_is_closed_by_what_its_part_found_or_by_effects_of_its_units() {
         let pictures = ["camera.u3", "camera.v3"];

@@ -1,10 +1,14 @@
 //! Simple laws that nobody lists, of a torque or of what an angle reads: what a residual is described by, and what linked states are asked for.
 
 use super::residual::torque::LACKING;
+use crate::statistics::levels::{CERTAIN, HALF};
+use std::borrow::Cow;
 
 /// A state of the arm with what it is given.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment {
+    /// Place of the run.
+    pub run: usize,
     /// q1, q2, dq1, dq2, rad and rad/s.
     pub state: [f64; 4],
     /// Time, s.
@@ -25,14 +29,55 @@ impl Moment {
     }
 }
 
+/// A function of a moment.
+type Function = fn(&Moment) -> f64;
+
 /// A law: what it depends on, its form in words, and its value for a size of 1.
+#[derive(Debug, Clone)]
 pub struct Law {
     /// Names of variables.
     pub depends_on: &'static [&'static str],
     /// For people.
-    pub words: &'static str,
-    /// In N·m for a torque, in rad for a reading.
-    pub value: fn(&Moment) -> f64,
+    pub words: Cow<'static, str>,
+    value: Function,
+    /// That of a law that goes to and fro along an angle.
+    wave: Option<Wave>,
+}
+
+/// Waves along an angle, or in time: how many a turn or a second, and how high they are.
+#[derive(Debug, Clone)]
+pub struct Wave {
+    times: f64,
+    /// Height of cosine and sine, in each run by itself, or in all alike.
+    height: Vec<[f64; 2]>,
+    /// How many others were tried.
+    of: usize,
+    along: Function,
+}
+
+impl Wave {
+    fn at(&self, at: &Moment) -> f64 {
+        let along = self.times * (self.along)(at);
+        let [cos, sin] = self.height.get(at.run).or(self.height.last()).copied().unwrap_or_default();
+        cos * libm::cos(along) + sin * libm::sin(along)
+    }
+}
+
+impl Law {
+    /// Its value: N·m for a torque, rad for a reading.
+    pub fn value(&self, at: &Moment) -> f64 {
+        self.wave.as_ref().map_or(1.0, |wave| wave.at(at)) * (self.value)(at)
+    }
+
+    /// Deviance beyond which the best of as many laws as were tried for it is as unlikely as one law is beyond none, of noise alone: the largest
+    /// of many sums of squares (Laurent, Massart, Ann. Statist. 28 (2000) 1302, lemma 1).
+    pub fn by_choice(&self) -> f64 {
+        self.wave.as_ref().map_or(0.0, |wave| {
+            let (sure, squares) = (CERTAIN * CERTAIN, 2.0 * wave.height.len() as f64);
+            let unlikely = libm::log(wave.of.max(1) as f64) + HALF * sure;
+            squares + 2.0 * (squares * unlikely).sqrt() + 2.0 * unlikely - sure
+        })
+    }
 }
 
 /// What a law acts on: the first link or the joint, by its torque or by what its angle reads.
@@ -55,8 +100,8 @@ impl On {
 /// The angles that a log of encoders holds.
 pub const ANGLES_OF_LOG: [&str; 2] = ["plant.q1", "plant.q2"];
 
-const fn law(depends_on: &'static [&'static str], words: &'static str, value: fn(&Moment) -> f64) -> Law {
-    Law { depends_on, words, value }
+const fn law(depends_on: &'static [&'static str], words: &'static str, value: Function) -> Law {
+    Law { depends_on, words: Cow::Borrowed(words), value, wave: None }
 }
 
 /// The sign of a rate, smoothed where dry friction is, over 0.05 rad/s.
@@ -75,7 +120,7 @@ fn slow(rate: f64) -> f64 {
 }
 
 /// Of the state and of time.
-pub const OF_STATE: [Law; 14] = [
+pub static OF_STATE: [Law; 14] = [
     law(&[], "constant", |_| 1.0),
     law(&["time"], "drifting with time", |at| at.time),
     law(&["q1"], "odd in q1, like a spring", |at| at.state[0]),
@@ -97,7 +142,7 @@ pub const OF_STATE: [Law; 14] = [
 ];
 
 /// Of the commanded torque: what a motor's driver or a gear does to it.
-pub const OF_COMMAND: [Law; 3] = [
+pub static OF_COMMAND: [Law; 3] = [
     law(&["tau"], "even in the commanded torque: another gain for each sign", |at| at.tau.abs()),
     law(
         &["tau"],
@@ -108,7 +153,7 @@ pub const OF_COMMAND: [Law; 3] = [
 ];
 
 /// Of what an angle reads: what encoders and shafts do to it.
-pub const OF_READINGS: [[Law; 5]; 2] = [
+pub static OF_READINGS: [[Law; 5]; 2] = [
     [
         law(&["tau"], "with the commanded torque: something bends", |at| at.tau),
         law(&["time"], "drifting with time: a coupling that slips", |at| at.time),
@@ -125,13 +170,99 @@ pub const OF_READINGS: [[Law; 5]; 2] = [
     ],
 ];
 
-/// All, each with what it acts on; those of readings only if angles were read by encoders.
-pub fn all_laws(readings: bool) -> Vec<(On, &'static Law)> {
+/// Laws that go to and fro, how often nobody knows beforehand.
+pub struct Periodic {
+    /// What they act on.
+    pub on: On,
+    depends_on: &'static [&'static str],
+    /// Along an angle, rad, or time, s.
+    pub along: Function,
+    /// In time, where each run begins anew.
+    pub in_time: bool,
+    /// How high waves are.
+    pub height: Function,
+    words: &'static str,
+}
+
+impl Periodic {
+    /// The law with so many waves a turn or a second and their heights, the best of `of`.
+    pub fn law(&self, times: f64, height: Vec<[f64; 2]>, of: usize) -> Law {
+        let (words, times) = match self.in_time {
+            true => (format!("{times:.1} times a second: {}", self.words), std::f64::consts::TAU * times),
+            false => (format!("{times:.0} times a turn of {}", self.words), times),
+        };
+        Law {
+            depends_on: self.depends_on,
+            words: Cow::Owned(words),
+            value: self.height,
+            wave: Some(Wave { times, height, of, along: self.along }),
+        }
+    }
+}
+
+const fn along_angle(
+    on: On,
+    depends_on: &'static [&'static str],
+    along: Function,
+    words: &'static str,
+) -> Periodic {
+    Periodic { on, depends_on, along, in_time: false, height: |_| 1.0, words }
+}
+
+/// Hum in what an angle reads.
+const fn hum(angle: usize) -> Periodic {
+    let words = "hum of the mains, as it looks in rows so far apart, or a mount that shakes";
+    let (on, along) = (On::Reading(angle), (|at| at.time) as Function);
+    Periodic { on, depends_on: &["time"], along, in_time: true, height: |_| 1.0, words }
+}
+
+/// Motors, gears, wheels and encoders.
+pub static PERIODIC: [Periodic; 8] = [
+    along_angle(On::Torque(0), &["q1"], |at| at.state[0], "q1: a floor or a wheel that isn't even"),
+    along_angle(
+        On::Torque(1),
+        &["q1", "q2"],
+        Moment::bend,
+        "the joint angle q2 - q1: cogging, or the teeth of a gear",
+    ),
+    Periodic {
+        height: |at| at.tau,
+        ..along_angle(
+            On::Torque(1),
+            &["q1", "q2", "tau"],
+            Moment::bend,
+            "the joint angle q2 - q1, in proportion to the commanded torque: a motor's torque ripple",
+        )
+    },
+    along_angle(
+        On::Reading(0),
+        &["q1"],
+        |at| at.state[0],
+        "q1: an encoder that is uneven within its lines, or has uneven codes",
+    ),
+    along_angle(
+        On::Reading(1),
+        &["q1", "q2"],
+        Moment::bend,
+        "the joint angle q2 - q1: an encoder that is uneven within its lines, or has uneven codes",
+    ),
+    along_angle(
+        On::Reading(1),
+        &["q2"],
+        |at| at.state[1],
+        "q2: an encoder that is uneven within its lines, or has uneven codes",
+    ),
+    hum(0),
+    hum(1),
+];
+
+/// All that are written down, each with what it acts on; those of readings only if angles were read by encoders.
+pub fn all_laws(readings: bool) -> Vec<(On, Law)> {
     let of_torque =
         (0..LACKING.len()).flat_map(|link| OF_STATE.iter().map(move |law| (On::Torque(link), law)));
     let of_command = OF_COMMAND.iter().map(|law| (On::Torque(LACKING.len() - 1), law));
     let of_reading = OF_READINGS.iter().enumerate().filter(|_| readings);
     let of_reading =
         of_reading.flat_map(|(angle, laws)| laws.iter().map(move |law| (On::Reading(angle), law)));
-    of_torque.chain(of_command).chain(of_reading).collect()
+    of_torque.chain(of_command).chain(of_reading).map(|(on, law)| (on, law.clone())).collect()
 }

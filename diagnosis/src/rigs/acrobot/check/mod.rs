@@ -13,6 +13,7 @@ mod frames;
 mod image_laws;
 mod image_shape;
 mod law_of_place;
+mod lone_readings;
 mod policy;
 mod residual;
 mod shared_scatter;
@@ -25,7 +26,7 @@ mod widened_gap;
 
 use crate::diagnosis::{Gap, Unknown};
 use crate::rigs::acrobot::candidates::Candidate;
-use crate::rigs::acrobot::linked::UnlistedLaw;
+use crate::rigs::acrobot::linked::Left;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::residual::image::Together;
 use crate::rigs::acrobot::selection::Study;
@@ -43,8 +44,8 @@ pub struct Found<'a> {
     pub list: &'a [Candidate],
     /// A commanded torque was logged beside the angles.
     pub torque: bool,
-    /// The law that no candidate gives and that linked states tell most surely.
-    pub unlisted: Option<&'a UnlistedLaw>,
+    /// What linked states leave that has no name.
+    pub left: &'a Left,
     /// The effects that have a continuous value.
     pub free: &'a [usize],
     /// Names of the runs.
@@ -84,6 +85,7 @@ const OF_THE_MODEL: &[Doubt] = &[
     unlisted_lens::doubt,
     unlisted_light::doubt,
     unlisted_law::doubt,
+    lone_readings::doubt,
     confounded::doubt,
     law_of_place::doubt,
     changing_value::doubt,

@@ -65,7 +65,7 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
             .map(|t| {
                 let block = &at.blocks[t.block];
                 let time = 0.5 * (block.from + block.to);
-                (t.torque[link], Moment { state: block.state, time, tau: 0.0 })
+                (t.torque[link], Moment { run: block.run, state: block.state, time, tau: 0.0 })
             })
             .collect();
         let total: f64 = values.iter().map(|(x, ..)| x * x).sum();
@@ -73,13 +73,13 @@ fn law_of_torques(study: &Study, at: &Evaluation) -> Torques {
         for law in &OF_STATE {
             let (mut xy, mut xx) = (0.0, 0.0);
             for (y, moment) in &values {
-                let x = (law.value)(moment);
+                let x = law.value(moment);
                 xy += x * y;
                 xx += x * x;
             }
             let share = if xx > 0.0 && total > 0.0 { xy * xy / xx / total } else { 0.0 };
             if best.is_none_or(|(known, ..)| share > known) {
-                best = Some((share, link, (law.depends_on, law.words)));
+                best = Some((share, link, (law.depends_on, &*law.words)));
             }
         }
     }

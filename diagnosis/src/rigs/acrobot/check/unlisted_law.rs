@@ -9,7 +9,7 @@ use crate::statistics::levels::{CERTAIN, HALF};
 
 /// Such a law, where nothing else has no name.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
-    let sure = found.unlisted.filter(|unlisted| so_far.is_none() && is_sure(unlisted));
+    let sure = found.left.law.as_ref().filter(|unlisted| so_far.is_none() && is_sure(unlisted));
     let told = |unlisted: &UnlistedLaw| {
         let known = format!("{:.1} standard deviations", unlisted.deviations);
         let (signal, depends_on, shape) = in_words(unlisted, &known);
@@ -22,7 +22,7 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
 /// What a torque looks like that a model lacks, where one law takes most of it: a window's torque has the error of its start state, linked
 /// states have none.
 pub(super) fn shape(found: &Found<'_>) -> Option<Shape> {
-    let most = found.unlisted.filter(|unlisted| is_most(unlisted));
+    let most = found.left.law.as_ref().filter(|unlisted| is_most(unlisted));
     most.map(|unlisted| in_words(unlisted, &format!("{:.0} % of it", 100.0 * unlisted.share)))
 }
 
@@ -48,7 +48,7 @@ mod tests {
     use crate::rigs::acrobot::simple_laws::all_laws;
 
     fn told(deviations: f64, share: f64, quiet: bool) -> UnlistedLaw {
-        let (on, law) = all_laws(false)[2];
+        let (on, law) = all_laws(false)[2].clone();
         UnlistedLaw { on, law, deviations, share, quiet }
     }
 

@@ -5,7 +5,9 @@ use super::beside::{Laws, surest};
 use super::torque_shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
+use crate::rigs::acrobot::residual::image::IMAGES;
 use crate::rigs::acrobot::residual::studio::AREAS;
+use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::CERTAIN;
 use crate::statistics::linear::Cell;
 use nalgebra::DMatrix;
@@ -17,6 +19,9 @@ const ALONG: [&str; 3] = ["", "u", "v"];
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
     if so_far.is_some() || found.torque {
         return Judgement::Keep;
+    }
+    if let Some(by) = level(&found.study.last).filter(|by| by.abs() > IMAGES.unlit) {
+        return Judgement::Unknown(all_alike(by + by.signum() * IMAGES.level, found));
     }
     let told = surest(&found.study.last, &found.study.active, found.signals, &LAWS);
     let Some((law, deviations)) = told.filter(|(_, deviations)| deviations.abs() > CERTAIN) else {
@@ -34,6 +39,29 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
         nearest: nearest(found.study, found.list),
         ..Unknown::default()
     })
+}
+
+/// By how much all areas differ from the model's alike, px, beyond what right renderers may; nothing where no area was logged.
+fn level(at: &Evaluation) -> Option<f64> {
+    let cells = at.blocks.iter().flat_map(|block| &block.cells);
+    let rows = cells.flat_map(|cell| cell.signal.iter().zip(&cell.residual));
+    let areas = rows.filter(|(signal, _)| AREAS.contains(signal));
+    let (sum, count) = areas.fold((0.0, 0.0), |(sum, count), (_, by)| (sum + by, count + 1.0));
+    (count > 0.0).then(|| sum / count)
+}
+
+/// Circles that are all larger or smaller by so much, px.
+fn all_alike(by: f64, found: &Found<'_>) -> Unknown {
+    let than = if by < 0.0 { "smaller" } else { "larger" };
+    Unknown {
+        signal: found.signals[AREAS.start].name.clone(),
+        shape: format!(
+            "constant: all circles are {:.1} px {than} than the model has them: another light, threshold or size of the markers",
+            by.abs()
+        ),
+        nearest: nearest(found.study, found.list),
+        ..Unknown::default()
+    }
 }
 
 /// Those asked for, and a level beside them.
@@ -68,6 +96,12 @@ mod tests {
         assert!(ALONG[law] == "u" && deviations > CERTAIN, "{law} {deviations}");
         let (law, deviations) = told([0.0, -0.01], 0.3);
         assert!(ALONG[law] == "v" && deviations < -CERTAIN, "{law} {deviations}");
+    }
+
+    #[test]
+    fn law_the_level_is_that_of_areas_alone() {
+        let at = frames(|_, signal| if AREAS.contains(&signal) { 2.5 } else { 9.0 });
+        assert!(level(&at).is_some_and(|by| (by - 2.5).abs() < 0.5), "{:?}", level(&at));
     }
 
     #[test]

@@ -32,7 +32,7 @@ impl Correction {
     pub fn closes(&self, gap: &Gap) -> Gap {
         let square = |x: f64| x * x;
         let over = square(gap.before) - square(gap.floor);
-        let closed = gap.closed.map(|_| (1.0 - (square(self.usual) - square(gap.floor)) / over).min(1.0));
+        let closed = gap.closed.map(|_| 1.0 - (square(self.usual) - square(gap.floor)) / over);
         Gap { after: self.usual, closed, ..gap.clone() }
     }
 
@@ -53,7 +53,7 @@ impl Correction {
             }
         }
         let phrases: Vec<&str> = self.terms.iter().map(|term| term.phrase.as_str()).collect();
-        let shape = format!("{} ({:.0} % of it)", phrases.join("; "), 100.0 * self.gap.closed);
+        let shape = format!("{} ({:.0} % of it)", phrases.join("; "), self.gap.percent());
         let signal = LACKING[usize::from(joint)];
         Unknown { signal: signal.into(), depends_on, shape, ..unknown }
     }
@@ -160,7 +160,7 @@ pub fn offer(
         label: "a labelled correction, not an explanation".into(),
         unit: name.into(),
         terms,
-        gap: Closing { before, after, floor, closed: closed.min(1.0), held_out_runs },
+        gap: Closing { before, after, floor, closed, held_out_runs },
         supersedes: Vec::new(),
         parameters,
         usual: fitted.usual,

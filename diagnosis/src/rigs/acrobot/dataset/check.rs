@@ -6,7 +6,7 @@ use super::impossible_cells;
 use super::row_times::typical_gap;
 use super::timestamps::{self, Moved};
 use super::{Nominal, Run, Table};
-use super::{quantised, rates, rounded, still, uncovered};
+use super::{held_over, quantised, rates, rounded, still, uncovered};
 use crate::error::Notice;
 use crate::rigs::acrobot::channels::{CHANNELS, Channel, File, Measures};
 use crate::rigs::acrobot::dataset::policy::LOGS;
@@ -29,6 +29,7 @@ pub fn clean(run: &mut Run, nominal: &Nominal, notices: &mut Vec<Notice>) {
         notices.push(Notice { file, line: plant.line[row], message });
     }
     still::exclude(run, notices);
+    held_over::exclude(run, notices);
     impossible_cells::exclude(run, nominal, notices);
     rounded::unround(run, notices);
     quantised::tell(run, notices);

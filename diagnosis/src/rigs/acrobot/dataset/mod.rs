@@ -6,6 +6,7 @@
 mod angles;
 mod check;
 mod clock_ticks;
+mod held_over;
 mod images;
 mod impossible_cells;
 pub(crate) mod lines;
@@ -27,6 +28,7 @@ pub use angles::in_degrees;
 pub use images::angle_in_degrees;
 pub use manifest::Manifest;
 pub use nominal::Nominal;
+pub use quantised::quantum;
 pub use row_times::typical_gap;
 pub use table::Table;
 pub use timestamps::directions;

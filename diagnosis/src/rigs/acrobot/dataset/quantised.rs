@@ -34,6 +34,11 @@ impl Run {
     }
 }
 
+/// What values are rounded to; 0 where they aren't.
+pub fn quantum(values: &[f64]) -> f64 {
+    grid(values).map_or(0.0, |grid| grid.quantum)
+}
+
 /// What values are rounded to.
 struct Grid {
     /// Their steps, N·m.

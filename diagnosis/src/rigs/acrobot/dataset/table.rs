@@ -5,6 +5,8 @@ use crate::observe::csv_text;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use std::path::Path;
 
+/// Says whether the camera found its circles.
+const VALID: &str = "valid";
 /// No run is silent for so long, s.
 const DAY: f64 = 86_400.0;
 
@@ -172,7 +174,13 @@ fn parse(text: &str, known: &[&str], notes: &mut Notes<'_>) -> Option<Table> {
         table.time.push(time);
         table.line.push(line);
         for (place, (name, values)) in table.columns.iter_mut().enumerate() {
-            values.push(value_of_cell(record.get(place + 1).unwrap_or("")).unwrap_or_else(|| {
+            let value = value_of_cell(record.get(place + 1).unwrap_or(""));
+            if name == VALID && value.is_none_or(|value| !(value.is_nan() || value == 0.0 || value == 1.0)) {
+                notes.many("column `valid` is neither 0 nor 1 (or False nor True); taken as 0", line);
+                values.push(0.0);
+                continue;
+            }
+            values.push(value.unwrap_or_else(|| {
                 let message = format!("column `{name}` is not a finite number; taken as not measured");
                 notes.many(&message, line);
                 f64::NAN
@@ -229,8 +237,8 @@ fn time_of_row(
 fn value_of_cell(cell: &str) -> Option<f64> {
     match cell {
         "" => Some(f64::NAN),
-        "true" => Some(1.0),
-        "false" => Some(0.0),
+        text if text.eq_ignore_ascii_case("true") => Some(1.0),
+        text if text.eq_ignore_ascii_case("false") => Some(0.0),
         text => text.parse().ok().filter(|value: &f64| value.is_finite()),
     }
 }
@@ -287,5 +295,25 @@ impl Notes<'_> {
                 if count > 1 { format!("{message} ({count} such rows, this is the first)") } else { message };
             self.into.push(Notice { file: self.file.clone(), line, message });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_for_a_frame_without_circles_is_read_and_any_other_is_told() {
+        let text =
+            "time,u1,valid\n0.0,1,True\n0.1,999,False\n0.2,1,1\n0.3,999,0\n0.4,999,yes\n0.5,999,2\n0.6,1,\n";
+        let mut notices = Vec::new();
+        let mut notes = Notes { file: "camera.csv".into(), into: &mut notices, counts: Vec::new() };
+        let table = parse(text, &["u1", "valid"], &mut notes).expect("a log");
+        notes.finish();
+        let valid = table.column("valid").expect("there");
+        assert_eq!(valid[..6], [1.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        assert!(valid[6].is_nan(), "an empty cell says nothing");
+        assert_eq!((notices.len(), notices[0].line), (1, 6));
+        assert!(notices[0].message.contains("neither 0 nor 1"), "{}", notices[0].message);
     }
 }

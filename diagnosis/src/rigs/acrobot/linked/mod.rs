@@ -3,10 +3,14 @@
 //! - `problem.rs`: the plant's logs as a problem of any unit
 //! - `classes.rs`: which names such a fit tells apart
 //! - `unlisted_law.rs`: which law that no candidate gives is left
+//! - `lone_readings.rs`: single readings that lie far off
+//! - `periods.rs`: laws that go to and fro along an angle
 //! - `poses.rs`: what images show in the place of a log
 //! - `policy.rs`: the numbers both decide by
 
 mod classes;
+mod lone_readings;
+mod periods;
 pub(super) mod policy;
 mod poses;
 mod problem;
@@ -14,7 +18,7 @@ mod unlisted_law;
 
 pub use classes::weigh_linked_classes;
 pub use poses::poses_as_log;
-pub use unlisted_law::{UnlistedLaw, unlisted_law};
+pub use unlisted_law::{Left, UnlistedLaw, left_of};
 
 use crate::dynamics::build::{Built, Span, build};
 use crate::dynamics::first_path::Trails;

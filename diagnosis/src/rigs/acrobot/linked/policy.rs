@@ -2,7 +2,7 @@
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::HOPELESS;
-use crate::statistics::levels::{CERTAIN, FAR, ROWS, SEVERAL};
+use crate::statistics::levels::{CERTAIN, FAR, FINE, ROWS, SEVERAL};
 
 /// When they are asked, and of how much.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,18 @@ pub struct Policy {
     pub most: usize,
     /// Fewest rows of a piece that tell of a motion.
     pub fewest: usize,
+    /// Most waves a turn that a law is tried with: an encoder's lines.
+    pub waves: f64,
+    /// Fewest of them along all that an angle went through.
+    pub seen: f64,
+    /// Waves a second from which what an angle reads may hum: three times as fast as an arm moves.
+    pub hum: f64,
+    /// Robust standard deviations from which a reading lies far off: of a billion with normal noise two do.
+    pub lone: f64,
+    /// Times as much as a row's own time puts a reading off that is further from the middle of its neighbours' than it should be.
+    pub uneven: f64,
+    /// One in so many rows is among the fastest, which timestamps that scatter put off most.
+    pub fastest: usize,
     /// Times the usual distance of rows, from which two rows are not linked: at the upright what noise leaves grows by e^7 in a second.
     pub torn: f64,
 }
@@ -27,5 +39,11 @@ pub const LINKED: Policy = Policy {
     near: 2.0 * HOPELESS,
     most: FAR as usize * POLICY.most,
     fewest: ROWS,
+    waves: 1.0 / FINE,
+    seen: 2.0,
+    hum: SEVERAL,
+    lone: 2.0 * SEVERAL,
+    uneven: SEVERAL,
+    fastest: 4,
     torn: SEVERAL,
 };

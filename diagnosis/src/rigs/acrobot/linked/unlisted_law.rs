@@ -3,6 +3,8 @@
 //!
 //! Windows begin too free to tell: a cable's spring leaves them nothing that a gain and a bias don't take.
 
+use super::lone_readings::{LoneReadings, lone_readings};
+use super::periods::periodic_laws;
 use super::problem::{MOTION, TORQUES};
 use super::{Linked, is_quiet};
 use crate::dynamics::grid::Grid;
@@ -12,6 +14,7 @@ use crate::infer::fit::{Fit, Linearise};
 use crate::infer::likelihood::{maximise, reduced};
 use crate::infer::linearised::Follows;
 use crate::infer::{Linearised, Noise, Sizes};
+use crate::nuisance::least_gap;
 use crate::observe::InputEffect;
 use crate::rigs::acrobot::candidates::{Candidate, Motion};
 use crate::rigs::acrobot::dataset::DataSet;
@@ -27,7 +30,7 @@ pub struct UnlistedLaw {
     /// What it acts on.
     pub on: On,
     /// The law.
-    pub law: &'static Law,
+    pub law: Law,
     /// By how many standard deviations it is told.
     pub deviations: f64,
     /// The share of the process noise's variance that it takes away.
@@ -36,32 +39,45 @@ pub struct UnlistedLaw {
     pub quiet: bool,
 }
 
-/// The law that the plant's logs tell most surely, beside the study's effects and whatever else is listed; nothing where no law is told.
+/// What linked states leave that has no name.
+#[derive(Default)]
+pub struct Left {
+    /// The law that is told most surely.
+    pub law: Option<UnlistedLaw>,
+    /// Readings that lie far off.
+    pub lone: Option<LoneReadings>,
+}
+
+/// What the plant's logs leave beside the study's effects and whatever else is listed.
 /// `readings`: angles were read by encoders, which have laws of their own.
 ///
 /// # Errors
 /// The log can't be linked: a unit failed, or the fit comes to no end.
-pub fn unlisted_law(
+pub fn left_of(
     data: &DataSet,
     model: &Model,
     list: &[Candidate],
     (study, signals): (&Study, &[Signal]),
     readings: bool,
-) -> Result<Option<UnlistedLaw>, Error> {
+) -> Result<Left, Error> {
     let sigma = |name: &str| {
         let place = signals.iter().position(|signal| signal.name.strip_prefix("plant.") == Some(name))?;
         study.last.sigmas.get(place).copied()
     };
     let point = &study.last.point;
-    let Some(mut linked) = Linked::of(data, model, list, point, &sigma)? else { return Ok(None) };
+    let Some(mut linked) = Linked::of(data, model, list, point, &sigma)? else {
+        return Ok(Left::default());
+    };
     let fit = linked.fitted_anew(point, &study.active)?;
-    let laws = Laws::of(&linked, list, &fit, all_laws(readings))?;
-    Ok(laws.and_then(|laws| laws.surest(&fit, &linked.built.sizes)))
+    let laws = Laws::of(&linked, list, &fit, readings)?;
+    let law = laws.and_then(|laws| laws.surest(&fit, &linked.built.sizes));
+    let lone = if readings { lone_readings(&fit.runs, &fit.at.noise, linked.angles()) } else { None };
+    Ok(Left { law, lone })
 }
 
 /// Runs about where a fit ended, with columns for all that is listed and for each law.
 struct Laws {
-    laws: Vec<(On, &'static Law)>,
+    laws: Vec<(On, Law)>,
     runs: Vec<Linearised>,
     /// The columns that are listed come first; these are free parameters of the fit.
     active: Vec<usize>,
@@ -70,12 +86,7 @@ struct Laws {
 }
 
 impl Laws {
-    fn of(
-        linked: &Linked<'_>,
-        list: &[Candidate],
-        fit: &Fit,
-        laws: Vec<(On, &'static Law)>,
-    ) -> Result<Option<Self>, Error> {
+    fn of(linked: &Linked<'_>, list: &[Candidate], fit: &Fit, readings: bool) -> Result<Option<Self>, Error> {
         let [joint, first] = TORQUES.map(|input| linked.bias_of(input));
         let Some(pushes) = first.zip(joint).map(|(first, joint)| [first, joint]) else { return Ok(None) };
         let listed = |(index, candidate): (usize, &Candidate)| {
@@ -90,11 +101,20 @@ impl Laws {
         let active = (0..listed).filter(|place| fit.free.contains(&columns[*place])).collect();
         let runs = linked.built.engine.linearise(&fit.at.theta, &fit.at.paths, &columns)?;
         let (commands, angles) = (linked.commands(), linked.angles());
-        let with = (runs.iter().zip(&fit.at.paths).zip(&commands)).map(|((run, path), commands)| {
-            let beside = Beside { run, path, commands, angles: &angles };
-            beside.with_laws(&laws, listed)
+        let each = runs.iter().zip(&fit.at.paths).zip(&commands).enumerate();
+        let beside = each.map(|(place, ((run, path), commands))| Beside {
+            run,
+            place,
+            path,
+            commands,
+            angles: &angles,
+            listed,
         });
-        let runs = with.collect();
+        let beside: Vec<Beside<'_>> = beside.collect();
+        let mut laws = all_laws(readings);
+        let quanta = angles.map(|angle| angle.map_or(0.0, |channel| linked.quantum(channel)));
+        laws.extend(periodic_laws(&beside, &fit.at.noise.process, readings.then_some(quanta)));
+        let runs = beside.iter().map(|beside| beside.with_laws(&laws)).collect();
         Ok(Some(Self { laws, runs, active, listed }))
     }
 
@@ -103,7 +123,7 @@ impl Laws {
         let columns: Vec<usize> = (0..self.listed + self.laws.len()).collect();
         let sum = reduced(&self.runs, &fit.at.noise, &columns);
         let told = Told::new(&sum, &self.active, self.listed);
-        let of = |law: usize| (law, told.deviations(self.listed + law));
+        let of = |law: usize| (law, told.deviations(self.listed + law, self.laws[law].1.by_choice()));
         let mut told: Vec<(usize, f64)> = (0..self.laws.len()).map(of).collect();
         told.sort_by(|a, b| b.1.total_cmp(&a.1));
         let with = |(law, deviations): &(usize, f64)| {
@@ -115,7 +135,7 @@ impl Laws {
         let (_, law, deviations, noise) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let variance = |noise: &Noise| noise.process.iter().map(|size| size * size).sum::<f64>();
         let share = 1.0 - variance(&noise) / variance(&fit.at.noise);
-        let (on, law) = self.laws[law];
+        let (on, law) = self.laws[law].clone();
         Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes) })
     }
 }
@@ -139,11 +159,11 @@ impl<'a> Told<'a> {
     }
 
     /// Standard deviations of a column beside all that is listed, or what it explains beside the effects that are on beyond the best of the
-    /// list: a law that all of them together stand for is still the simpler story.
-    fn deviations(&self, column: usize) -> f64 {
+    /// list: a law that all of them together stand for is still the simpler story. Deviance that comes `by_choice` doesn't count.
+    fn deviations(&self, column: usize, by_choice: f64) -> f64 {
         let all = gain(self.sum, &self.listed, column).unwrap_or(0.0);
         let beyond = gain(self.sum, self.active, column).unwrap_or(0.0) - self.best;
-        all.max(beyond).max(0.0).sqrt()
+        (all.max(beyond) - by_choice).max(0.0).sqrt()
     }
 }
 
@@ -157,36 +177,46 @@ fn gain(sum: &Reduced, beside: &[usize], column: usize) -> Option<f64> {
 }
 
 /// A run with what laws depend on.
-struct Beside<'a> {
-    run: &'a Linearised,
+pub(super) struct Beside<'a> {
+    pub(super) run: &'a Linearised,
+    /// Its place among the runs.
+    pub(super) place: usize,
     path: &'a [f64],
     /// The commanded torque in each interval.
     commands: &'a [f64],
     /// The channels of the angles.
-    angles: &'a [Option<usize>],
+    pub(super) angles: &'a [Option<usize>],
+    /// How many columns are listed; those of a constant torque on either link stand behind them.
+    listed: usize,
 }
 
 impl Beside<'_> {
     /// The middle of an interval.
-    fn middle(&self, row: usize) -> Moment {
+    pub(super) fn middle(&self, row: usize) -> Moment {
         let (from, to) = (self.row(row), self.row(row + 1));
         let state = std::array::from_fn(|state| HALF * (from.state[state] + to.state[state]));
-        Moment { state, time: HALF * (from.time + to.time), tau: self.commands[row] }
+        Moment { run: self.place, state, time: HALF * (from.time + to.time), tau: self.commands[row] }
+    }
+
+    /// What a constant torque on a link does in an interval.
+    pub(super) fn push(&self, row: usize, link: usize) -> &[f64] {
+        self.run.column(row, self.listed + link)
     }
 
     /// A row, with the torque that led there.
-    fn row(&self, row: usize) -> Moment {
+    pub(super) fn row(&self, row: usize) -> Moment {
         // what an actuator remembers is a state of the run, and none of the path
         let states = self.path.len() / self.run.rows();
         let state = std::array::from_fn(|state| self.path[row * states + state]);
         let tau = self.commands.get(row.saturating_sub(1)).copied().unwrap_or(0.0);
-        Moment { state, time: self.run.time[row], tau }
+        Moment { run: self.place, state, time: self.run.time[row], tau }
     }
 
     /// The run with the listed columns and one for each law. A torque's is what a constant torque does in an interval, times the law there; the
     /// columns of the two constant torques stand behind the listed ones.
-    fn with_laws(&self, laws: &[(On, &'static Law)], listed: usize) -> Linearised {
-        let (run, n, parameters) = (self.run, self.run.states, listed + laws.len());
+    fn with_laws(&self, laws: &[(On, Law)]) -> Linearised {
+        let (run, n, listed) = (self.run, self.run.states, self.listed);
+        let parameters = listed + laws.len();
         let (mut drive, mut direct) = (Vec::new(), Vec::new());
         for row in 0..run.rows() {
             let at = self.row(row);
@@ -195,7 +225,7 @@ impl Beside<'_> {
                 direct.extend_from_slice(&run.direct[first..first + listed]);
                 let reads = |angle: usize| self.angles[angle] == Some(run.measured[value].channel);
                 direct.extend(laws.iter().map(|(on, law)| match on {
-                    On::Reading(angle) if reads(*angle) => (law.value)(&at),
+                    On::Reading(angle) if reads(*angle) => law.value(&at),
                     _ => 0.0,
                 }));
             }
@@ -207,8 +237,8 @@ impl Beside<'_> {
             for (on, law) in laws {
                 match on {
                     On::Torque(link) => {
-                        let size = (law.value)(&at);
-                        drive.extend(run.column(row, listed + link).iter().map(|push| size * push));
+                        let size = law.value(&at);
+                        drive.extend(self.push(row, *link).iter().map(|push| size * push));
                     }
                     On::Reading(_) => drive.resize(drive.len() + n, 0.0),
                 }
@@ -249,6 +279,13 @@ impl Linked<'_> {
         })
     }
 
+    /// What a log rounds a channel to.
+    fn quantum(&self, channel: usize) -> f64 {
+        let samples = self.built.engine.grids.iter().flat_map(|grid| &grid.samples);
+        let own = samples.filter(|sample| sample.channel == channel).map(|sample| sample.value);
+        least_gap(&own.collect::<Vec<_>>())
+    }
+
     /// The place of an input of the plant.
     fn input(&self, name: &str) -> Option<usize> {
         self.built.engine.machine.inputs.iter().position(|own| own.name == format!("plant.{name}"))
@@ -274,14 +311,15 @@ mod tests {
         let gram = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, half, 0.0, 1.0, half, half, half, 1.0]);
         let sum = sums(gram, 6.0);
         // each of the two explains half of 36
-        assert!((Told::new(&sum, &[], 2).deviations(2) - 18_f64.sqrt()).abs() < 1e-9);
+        assert!((Told::new(&sum, &[], 2).deviations(2, 0.0) - 18_f64.sqrt()).abs() < 1e-9);
         // beside one of them half is left, which the other one explains
-        assert!(Told::new(&sum, &[0], 2).deviations(2) < 1e-6);
+        assert!(Told::new(&sum, &[0], 2).deviations(2, 0.0) < 1e-6);
     }
 
     #[test]
     fn value_a_law_that_no_listed_one_resembles_counts_for_all_of_it() {
-        let told = |listed: usize| Told::new(&sums(DMatrix::identity(3, 3), 6.0), &[], listed).deviations(2);
+        let told =
+            |listed: usize| Told::new(&sums(DMatrix::identity(3, 3), 6.0), &[], listed).deviations(2, 0.0);
         assert!((told(2) - 6.0).abs() < 1e-9);
         // and one that is listed itself for nothing
         assert_eq!(told(3), 0.0);
@@ -292,7 +330,7 @@ mod tests {
         for readings in [false, true] {
             let laws = all_laws(readings);
             let known: std::collections::BTreeSet<_> =
-                laws.iter().map(|(on, law)| (on.signal(), law.words)).collect();
+                laws.iter().map(|(on, law)| (on.signal(), law.words.clone())).collect();
             assert_eq!(known.len(), laws.len());
         }
     }

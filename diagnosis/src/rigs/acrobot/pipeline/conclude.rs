@@ -17,7 +17,7 @@ use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::check::{Found, Judged, drifting, is_of_angles, judged, torque_shape};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::gap::Measure;
-use crate::rigs::acrobot::linked::{UnlistedLaw, poses_as_log, unlisted_law};
+use crate::rigs::acrobot::linked::{Left, left_of, poses_as_log};
 use crate::rigs::acrobot::overlay;
 use crate::rigs::acrobot::selection::Study;
 use crate::rigs::acrobot::{amend, experiment, gap, residual_places, story};
@@ -97,9 +97,9 @@ impl Conclusion {
         self.measures.push(measure);
         let (own, torque) =
             (residual_places::places(&part.study, &part.signals), measure == Measure::Torques);
-        let unlisted = unlisted(logs.rig, part, watch);
+        let left = left(logs.rig, part, watch);
         let judged = judged(&Found {
-            unlisted: unlisted.as_ref(),
+            left: &left,
             study: &part.study,
             signals: &part.signals,
             list,
@@ -347,20 +347,19 @@ fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &St
     }
 }
 
-/// The law that a part's motion tells beside all that is listed: a log's, or what images show where there is none. A log that can't be
+/// What a part's motion leaves beside all that is listed: a log's, or what images show where there is none. A log that can't be
 /// linked tells none, and must not end a diagnosis that stands without it.
-fn unlisted(rig: &Rig<'_>, part: &Part, watch: &mut Watch<'_>) -> Option<UnlistedLaw> {
+fn left(rig: &Rig<'_>, part: &Part, watch: &mut Watch<'_>) -> Left {
     let seen = match (part.torque, gap::chained(&part.signals)) {
         (true, _) => None,
         (false, true) => Some(poses_as_log(&rig.data, rig.model, &rig.list, &part.study)),
         // images at measured motions tell of no torque
-        (false, false) => return None,
+        (false, false) => return Left::default(),
     };
     if watch.is_over("the search for laws that nobody lists") {
-        return None;
+        return Left::default();
     }
     watch.stage("plant: laws that nobody lists, with linked states");
     let (data, found) = (seen.as_ref().unwrap_or(&rig.data), (&part.study, part.signals.as_slice()));
-    let told = unlisted_law(data, rig.model, &rig.list, found, part.torque);
-    told.ok().flatten()
+    left_of(data, rig.model, &rig.list, found, part.torque).unwrap_or_default()
 }

@@ -11,20 +11,19 @@ use super::compare_images::Images;
 use super::compare_plant::{Motions, followed_motions, logged_motions};
 use super::fit_correction::fit_correction;
 use super::policy::PIPELINE;
-use crate::diagnosis::{Correction, Diagnosis, Gap};
+use crate::diagnosis::{Correction, Gap};
 use crate::error::Error;
 use crate::overlay::Overlaid;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::correction;
 use crate::rigs::acrobot::dataset::{DataSet, Span};
-use crate::rigs::acrobot::gap::{Measure, Shifted, Sums, above_floor};
+use crate::rigs::acrobot::gap::{Measure, Shifted, Sums};
 use crate::rigs::acrobot::overlay;
 use crate::rigs::acrobot::residual::Tracked;
 use crate::rigs::acrobot::residual::forced_torques::Forced;
 use crate::rigs::acrobot::residual::image::Laws;
 use crate::rigs::acrobot::residual::torque::{Torque, shrunk, torques};
 use crate::rigs::acrobot::selection::Evaluation;
-use crate::text::brief;
 use crate::watch::{Known, Watch};
 use std::sync::Arc;
 
@@ -37,8 +36,10 @@ pub(super) struct HeldOut {
     pub(super) gaps: Vec<Gap>,
     /// For each repeated search the runs that were left out, and the names that it found.
     pub(super) found: Vec<(String, Vec<String>)>,
+    /// Names of what these searches could find: what the first one did.
+    pub(super) searched: Vec<String>,
     /// Measured, nominal and amended of the last run, by the model that never saw it.
-    channels: Vec<Overlaid>,
+    pub(super) channels: Vec<Overlaid>,
 }
 
 /// What a diagnosis found, and how its parts were compared.
@@ -123,7 +124,9 @@ pub(super) fn hold_out(
             false => gap.clone(),
         },
     );
-    Ok(Some(HeldOut { gaps: gaps.collect(), found, channels }))
+    let active = first.parts().iter().flat_map(|part| &part.study.active);
+    let searched = active.map(|index| rig.list[*index].name.to_owned()).collect();
+    Ok(Some(HeldOut { gaps: gaps.collect(), found, searched, channels }))
 }
 
 /// What one repeated search found, and how it does on the runs that it never saw.
@@ -328,34 +331,5 @@ impl Judge<'_> {
         let folds = vec![0; last.blocks.len().max(nominal.blocks.len())];
         let shifted = Shifted { places: &[], shifts: &[], folds: &folds };
         Ok(measure.sums(&nominal, &last, &shifted, &part.study.noise))
-    }
-}
-
-/// Puts the gaps of models that never saw the runs in the place of those by cross-validation, and tells what they named.
-pub(super) fn tell_held_out(diagnosis: &mut Diagnosis, held_out: HeldOut) {
-    for (runs, names) in &held_out.found {
-        let named = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-        diagnosis.story.push(format!("Searched again without {runs}: {named}."));
-    }
-    let widest = held_out.gaps.iter().max_by(|a, b| above_floor(a).total_cmp(&above_floor(b)));
-    if let Some(gap) = widest.cloned() {
-        if let Some(closed) = gap.closed {
-            diagnosis.story.push(format!(
-                "On these runs, which the repeated searches never saw, the gap goes from {} to {} {} (noise alone: {}): {:.0} % \
-                 of it is closed.",
-                brief(gap.before),
-                brief(gap.after),
-                gap.unit,
-                brief(gap.floor),
-                100.0 * closed
-            ));
-        }
-        diagnosis.gap = gap;
-    }
-    diagnosis.gaps = held_out.gaps;
-    for channel in held_out.channels {
-        if let Some(known) = diagnosis.channels.iter_mut().find(|known| known.signal == channel.signal) {
-            *known = channel;
-        }
     }
 }

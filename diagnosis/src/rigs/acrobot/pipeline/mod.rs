@@ -25,6 +25,7 @@ mod prepare;
 mod replace_effect;
 mod saturations;
 mod sensor_noise;
+mod tell_held_out;
 mod torque_scale;
 mod understated_noise;
 mod unseen_circles;
@@ -45,12 +46,13 @@ use crate::watch::{Listener, Watch};
 use clear_logs::{correct_clocks, correct_noise, correct_zeros};
 use compare::{Compared, Part, compare};
 use conclude::conclude;
-use held_out::{FirstSearch, hold_out, tell_held_out};
+use held_out::{FirstSearch, hold_out};
 use orchestrator::UnitPath;
 use orchestrator::suggest::nearest;
 use prepare::{plausible, prepare};
 use std::path::Path;
 use std::sync::Arc;
+use tell_held_out::tell_held_out;
 use unseen_circles::frames_without_circles;
 
 /// The logs, the model that they are compared with, and all that it may lack.

@@ -115,16 +115,16 @@ fn of_step(step: &Step, list: &[Candidate]) -> String {
 
 /// What is left in the end: something without a name, a gap, or noise.
 fn of_end_of_search(gap: &Gap, left: Option<&Unknown>) -> String {
-    match (gap.closed, left) {
+    match (gap.percent(), left) {
         (_, Some(left)) => {
             format!("But more than noise remains: {} - {}. {}.", left.signal, left.shape, left.nearest)
         }
-        (Some(closed), None) => format!(
+        (Some(percent), None) => format!(
             "By cross-validation (values fitted without each run in turn) the gap goes from {} to {} {}: {:.0} % of it is closed.",
             brief(gap.before),
             brief(gap.after),
             gap.unit,
-            100.0 * closed
+            percent
         ),
         (None, None) => "No gap stands above the noise here.".into(),
     }
@@ -209,7 +209,7 @@ pub fn of_correction(correction: Option<&Correction>) -> String {
         brief(correction.gap.before),
         brief(correction.gap.after),
         brief(correction.gap.floor),
-        100.0 * correction.gap.closed
+        correction.gap.percent()
     )
 }
 

@@ -14,10 +14,11 @@ use crate::error::Error;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side, name, place, variable};
 use crate::rigs::acrobot::channels::{Channel, Measures};
-use crate::rigs::acrobot::dataset::DataSet;
+use crate::rigs::acrobot::dataset::{DataSet, quantum};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::parameters;
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
+use crate::statistics::levels::anywhere_in;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -94,6 +95,8 @@ pub struct ImageCut {
     /// By how much the motion's angles were turned back, rad, where it is in question.
     zeros: Option<[f64; 2]>,
     signals: Vec<Signal>,
+    /// What the log rounds centroids to, px.
+    quantum: f64,
     /// Change of the image with q1 and q2, kept: it hardly depends on small effects.
     turns: Option<Vec<[Option<Seen>; 2]>>,
     kept: BTreeMap<(usize, u64, usize), Column>,
@@ -116,8 +119,15 @@ pub struct ImageCut {
     first: Arc<ImageState>,
 }
 
-/// The camera's signals. Where vision angles are all that was `read`, their circles' places on the lattice aren't known.
-fn signals_of(data: &DataSet, read: bool) -> Vec<Signal> {
+/// What a log rounds centroids to, px; 0 where it doesn't.
+fn quantum_of(frames: &[Frame]) -> f64 {
+    let places = frames.iter().flat_map(|frame| &frame.seen[CENTROIDS]);
+    quantum(&places.copied().filter(|at| at.is_finite()).collect::<Vec<_>>())
+}
+
+/// The camera's signals. Where vision angles are all that was `read`, their circles' places on the lattice aren't known; centroids are
+/// known to the `quantum` that they were rounded to, px: of a circle that hardly moves rounding is no noise.
+fn signals_of(data: &DataSet, read: bool, quantum: f64) -> Vec<Signal> {
     let signal = |(channel, column): (&Channel, &str)| {
         let name = format!("camera.{column}");
         let known = data.known_noise(&name).filter(|sigma| *sigma > 0.0);
@@ -125,6 +135,8 @@ fn signals_of(data: &DataSet, read: bool) -> Vec<Signal> {
         let unplaced = read && channel.measures == Measures::VisionAngle;
         // a threshold puts circles off by 0.03 px
         let tolerance = if unplaced { RESIDUAL.place } else { noise.tolerance };
+        let rounded = if channel.measures == Measures::Centroid { anywhere_in(quantum) } else { 0.0 };
+        let tolerance = tolerance.hypot(rounded);
         let sigma = known.unwrap_or(noise.guess);
         Signal {
             name,
@@ -169,6 +181,7 @@ impl ImageCut {
         let delay = place(&candidates, Attribute::ImageDelay);
         let exposure = place(&candidates, Attribute::Exposure);
         let nominal_delay = model.number(name(Attribute::ImageDelay)).unwrap_or(0.0);
+        let quantum = quantum_of(&frames);
         let poses: Poses = (frames.iter().map(|frame| frame.shot).collect(), None);
         Ok(Some(Self {
             candidates,
@@ -178,7 +191,8 @@ impl ImageCut {
             exposure,
             nominal_delay,
             zeros: None,
-            signals: signals_of(data, read),
+            signals: signals_of(data, read, quantum),
+            quantum,
             turns: None,
             kept: BTreeMap::new(),
             laws: Laws::default(),

@@ -8,7 +8,6 @@
 use super::together::Together;
 use super::{ImageCut, Nuisances};
 use crate::error::Error;
-use crate::nuisance::least_gap;
 use crate::rigs::acrobot::bench::Setting;
 use crate::rigs::acrobot::candidates::Side;
 use crate::rigs::acrobot::channels::{AREAS_APART, CENTROIDS_APART};
@@ -71,7 +70,7 @@ impl ImageCut {
         let shots: Vec<_> = self.frames.iter().map(|frame| frame.shot).collect();
         let clean = self.studio.take(&self.settings(point, None)?, &shots)?;
         let made = stretches(shots.len());
-        let rendered = Rendered { cut: self, point, index, clean, made, quanta: self.quanta() };
+        let rendered = Rendered { cut: self, point, index, clean, made };
         let residual = |place: usize| {
             let (here, seen) = (rendered.clean[place]?, &self.frames[place].seen);
             self.placed(place).then(|| std::array::from_fn(|s| seen[s] - here[s]))
@@ -139,12 +138,9 @@ impl ImageCut {
         self.frames.iter().map(|frame| &frame.shot).map(moved).collect()
     }
 
-    /// What the log rounds each signal to.
-    fn quanta(&self) -> Seen {
-        std::array::from_fn(|signal| {
-            let values: Vec<f64> = self.frames.iter().map(|frame| frame.seen[signal]).collect();
-            least_gap(&values.into_iter().filter(|value| value.is_finite()).collect::<Vec<_>>())
-        })
+    /// What a camera finds as the log has it.
+    fn as_logged(&self, found: f64, signal: usize) -> f64 {
+        if CENTROIDS.contains(&signal) { rounded(found, self.quantum) } else { found }
     }
 
     /// Whether a frame has a pose.
@@ -194,8 +190,6 @@ struct Rendered<'a> {
     clean: Vec<Option<Seen>>,
     /// Frames that are made with noise.
     made: Vec<usize>,
-    /// What the log rounds each signal to.
-    quanta: Seen,
 }
 
 /// A value as a log has it that rounds to a quantum, if there is one.
@@ -233,7 +227,7 @@ impl Rendered<'_> {
             all[*place] = self
                 .cut
                 .placed(*place)
-                .then(|| std::array::from_fn(|s| rounded(made[s], self.quanta[s]) - here[s]));
+                .then(|| std::array::from_fn(|s| self.cut.as_logged(made[s], s) - here[s]));
         }
         Ok(all)
     }

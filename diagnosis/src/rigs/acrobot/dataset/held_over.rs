@@ -1,0 +1,95 @@
+//! Readings that were late and held over: now and then a row repeats the one before, digit by digit, in a log whose noise leaves no two rows
+//! alike. Such a row says again what the one before said, at the wrong time.
+
+use super::Run;
+use crate::error::Notice;
+use crate::nuisance::{least_gap, scatter};
+use crate::rigs::acrobot::dataset::policy::LOGS;
+use crate::statistics::levels::HALF;
+use std::f64::consts::PI;
+
+/// Makes such readings not measured.
+pub fn exclude(run: &mut Run, notices: &mut Vec<Notice>) {
+    let Some(plant) = &mut run.plant else { return };
+    for angle in ["q1", "q2"] {
+        let Some(rows) = plant.column(angle).and_then(held_over) else { continue };
+        let message = format!(
+            "{angle} repeats the row before in {} of {} rows, this is the first, and its noise leaves no two alike by chance: readings that \
+             were held over, taken as not measured",
+            rows.len(),
+            plant.len()
+        );
+        notices.push(Notice { file: format!("{}/plant.csv", run.name), line: plant.line[rows[0]], message });
+        if let Some(values) = plant.column_mut(angle) {
+            rows.iter().for_each(|row| values[*row] = f64::NAN);
+        }
+    }
+}
+
+/// The rows that repeat the one before, if some do and chance has none of it.
+fn held_over(values: &[f64]) -> Option<Vec<usize>> {
+    let measured: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
+    let repeats = |pair: &&[usize]| values[pair[0]] == values[pair[1]];
+    let rows: Vec<usize> = measured.windows(2).filter(repeats).map(|pair| pair[1]).collect();
+    let often = rows.len() as f64 / measured.len().max(1) as f64;
+    if rows.len() < LOGS.few || often > HALF || longest(values, &measured) > LOGS.few {
+        return None;
+    }
+    let real: Vec<f64> = measured.iter().map(|row| values[*row]).collect();
+    let (noise, quantum) = (scatter(&[&real]).quiet, least_gap(&real));
+    // two values of normal noise are within one quantum of each other as often as their difference's density says
+    let by_chance = quantum / (2.0 * PI.sqrt() * noise);
+    (often > LOGS.times * by_chance).then_some(rows)
+}
+
+/// Most rows in turn that repeat the one before: an arm at rest without any noise repeats for long.
+fn longest(values: &[f64], measured: &[usize]) -> usize {
+    let mut most = (0, 0);
+    for pair in measured.windows(2) {
+        let again = if values[pair[0]] == values[pair[1]] { most.0 + 1 } else { 0 };
+        most = (again, most.1.max(again));
+    }
+    most.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Random;
+
+    /// A swing with noise, rounded to a quantum, of which each of these rows repeats the one before.
+    fn log(quantum: f64, repeats: impl Fn(usize) -> bool) -> Vec<f64> {
+        let mut random = Random::new(3);
+        let mut values: Vec<f64> = (0..1000)
+            .map(|row| 0.4 * libm::sin(0.04 * row as f64) + 2e-4 * random.normal())
+            .map(|value| (value / quantum).round() * quantum)
+            .collect();
+        (1..1000).filter(|row| repeats(*row)).for_each(|row| values[row] = values[row - 1]);
+        values
+    }
+
+    #[test]
+    fn every_row_that_repeats_the_one_before_is_found() {
+        let found = held_over(&log(1e-9, |row| row % 20 == 7));
+        assert_eq!(found, Some((0..50).map(|k| 7 + 20 * k).collect()));
+        assert_eq!(held_over(&log(1e-9, |_| false)), None);
+        // every other row of a log that is twice as dense as its encoder
+        assert_eq!(held_over(&log(1e-9, |row| row % 2 == 1)).map(|rows| rows.len()), Some(500));
+    }
+
+    #[test]
+    fn law_what_is_rounded_or_at_rest_repeats_itself() {
+        // an encoder of 4096 codes repeats where the arm turns back
+        assert_eq!(held_over(&log(std::f64::consts::TAU / 4096.0, |_| false)), None);
+        let rest: Vec<f64> = (0..300).map(|row| f64::from(row.max(100))).collect();
+        assert_eq!(held_over(&rest), None);
+    }
+
+    #[test]
+    fn value_three_rows_are_the_fewest_and_three_in_turn_the_most() {
+        let few = |count: usize| held_over(&log(1e-9, |row| row % 100 == 7 && row / 100 < count)).is_some();
+        assert_eq!([2, 3].map(few), [false, true]);
+        let turns = |length: usize| held_over(&log(1e-9, |row| (1..=length).contains(&(row % 50)))).is_some();
+        assert_eq!([3, 4].map(turns), [true, false]);
+    }
+}

@@ -1,0 +1,137 @@
+//! Single readings that lie far from what linked states leave of all others: an encoder that slips, a value that came late, a bit that flipped.
+
+use super::policy::LINKED;
+use crate::infer::{Linearised, Noise};
+use crate::statistics::levels::{FEW, HALF, MIDDLE};
+use crate::statistics::median::median;
+
+/// Such readings of one angle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoneReadings {
+    /// The angle.
+    pub angle: usize,
+    /// How many, and of how many.
+    pub count: usize,
+    pub of: usize,
+    /// The first: its run, and its time, s.
+    pub first: (usize, f64),
+    /// How far off the farthest is, rad.
+    pub farthest: f64,
+}
+
+/// Those of the angle that has most. `angles` are the channels of the angles.
+pub(super) fn lone_readings(
+    runs: &[Linearised],
+    noise: &Noise,
+    angles: [Option<usize>; 2],
+) -> Option<LoneReadings> {
+    let of = |angle: usize| of_channel(runs, noise, angles[angle]?, angle);
+    (0..angles.len()).filter_map(of).max_by_key(|lone| lone.count)
+}
+
+fn of_channel(runs: &[Linearised], noise: &Noise, channel: usize, angle: usize) -> Option<LoneReadings> {
+    let own = |run: &Linearised| {
+        let values = run.measured.iter().filter(|value| value.channel == channel && value.weight > 0.0);
+        values.map(|value| (value.time, value.residual, value.slope)).collect::<Vec<_>>()
+    };
+    let each: Vec<Vec<(f64, f64, f64)>> = runs.iter().map(own).collect();
+    let scale = median(each.iter().flatten().map(|(_, left, _)| left.abs()))? / MIDDLE;
+    let late = lateness(&each.concat()).max(noise.jitter);
+    let far = |(_, left, slope): &(f64, f64, f64)| left.abs() > LINKED.lone * scale.hypot(slope * late);
+    let mut lone: Vec<(usize, f64, f64)> = Vec::new();
+    let mut all = 0;
+    for (run, values) in each.iter().enumerate() {
+        let is_far = |place: Option<usize>| place.and_then(|place| values.get(place)).is_some_and(far);
+        for (place, value) in values.iter().enumerate().filter(|(_, value)| far(value)) {
+            all += 1;
+            let by_its_time = LINKED.uneven * (value.2 * unevenness(values, place)).abs();
+            if !is_far(place.checked_sub(1)) && !is_far(Some(place + 1)) && value.1.abs() > by_its_time {
+                lone.push((run, value.0, value.1.abs()));
+            }
+        }
+    }
+    let (run, time, _) = *lone.first()?;
+    // where most have neighbours as far off, a model is wrong for a while
+    (lone.len() >= FEW && lone.len() as f64 > HALF * f64::from(all)).then(|| LoneReadings {
+        angle,
+        count: lone.len(),
+        of: each.iter().map(Vec::len).sum(),
+        first: (run, time),
+        farthest: lone.iter().map(|(.., left)| *left).fold(0.0, f64::max),
+    })
+}
+
+/// How far a row's time lies from the middle of its neighbours', s.
+fn unevenness(values: &[(f64, f64, f64)], place: usize) -> f64 {
+    let time = |place: Option<usize>| place.and_then(|place| values.get(place)).map(|value| value.0);
+    let beside = time(place.checked_sub(1)).zip(time(Some(place + 1)));
+    beside.map_or(0.0, |(before, after)| values[place].0 - HALF * (before + after))
+}
+
+/// By how much timestamps may scatter, s: as much as explains the fastest quarter of the rows.
+fn lateness(values: &[(f64, f64, f64)]) -> f64 {
+    let mut fastest: Vec<&(f64, f64, f64)> = values.iter().collect();
+    fastest.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));
+    fastest.truncate(values.len().div_ceil(LINKED.fastest));
+    let late =
+        fastest.into_iter().filter(|value| value.2 != 0.0).map(|(_, left, slope)| (left / slope).abs());
+    median(late).map_or(0.0, |late| late / MIDDLE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::infer::Measured;
+    use crate::statistics::random::Random;
+
+    /// What is found of 2000 readings with noise of 1, with these more in some rows.
+    fn found(more: &[(usize, f64)], slope: f64) -> Option<LoneReadings> {
+        let mut random = Random::new(7);
+        let mut measured: Vec<Measured> = (0..2000)
+            .map(|row| {
+                let (time, residual) = (f64::from(row), random.normal());
+                Measured { channel: 0, time, residual, slope, weight: 1.0 }
+            })
+            .collect();
+        more.iter().for_each(|(row, by)| measured[*row].residual = *by);
+        let noise = Noise { channels: vec![1.0], process: Vec::new(), jitter: 0.0, disturbance: None };
+        lone_readings(&[Linearised { measured, ..Linearised::default() }], &noise, [None, Some(0)])
+    }
+
+    #[test]
+    fn every_reading_that_lies_far_off_alone_is_counted() {
+        assert_eq!(found(&[], 0.0), None);
+        let seen = found(&[(100, 16.0), (700, -15.0), (1500, 14.0)], 0.0).expect("three");
+        assert_eq!(
+            (seen.angle, seen.count, seen.of, seen.first, seen.farthest),
+            (1, 3, 2000, (0, 100.0), 16.0)
+        );
+        // where an angle moves, noise may be timestamps' scatter: readings that are as far off beside it aren't
+        let seen = |by: f64| found(&[(100, by), (700, by), (1500, by)], 4.0).is_some();
+        assert_eq!([7.0, 12.0].map(seen), [false, true]);
+        // a model that is wrong for a while
+        let while_long: Vec<(usize, f64)> =
+            (100..120).chain([700, 900, 1100]).map(|row| (row, 16.0)).collect();
+        assert_eq!(found(&while_long, 0.0), None);
+    }
+
+    #[test]
+    fn value_a_reading_that_its_own_time_explains_is_none() {
+        let rows = |late: f64| [0.0, 1.0, 2.0 + late, 3.0, 4.0].map(|time| (time, 16.0, 1.0)).to_vec();
+        assert!((unevenness(&rows(4.0), 2) - 4.0).abs() < 1e-12 && unevenness(&rows(4.0), 0) == 0.0);
+        // three times that is more
+        let explained = |late: f64| 16.0 <= LINKED.uneven * unevenness(&rows(late), 2);
+        assert_eq!([5.2, 5.5].map(explained), [false, true]);
+    }
+
+    #[test]
+    fn value_three_readings_beyond_six_deviations_are_the_fewest() {
+        let told = |by: f64, count: usize| {
+            let more: Vec<_> = (0..count).map(|k| (100 + 200 * k, by)).collect();
+            found(&more, 0.0).is_some()
+        };
+        // the median of 2000 tells their scale to 3 %
+        assert_eq!([5.5, 6.5].map(|by| told(by, 3)), [false, true]);
+        assert_eq!([2, 3].map(|count| told(9.0, count)), [false, true]);
+    }
+}

@@ -4,6 +4,7 @@
 //! looks like a pan with one mount, and like a tilt with the mount turned, and only one name fits both.
 
 use crate::error::Error;
+use orchestrator::{Fmu, Scenario};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -11,14 +12,26 @@ use std::path::{Path, PathBuf};
 const FILE: &str = "diagnosis.json";
 
 /// For each effect that was found, the members of its class with their probabilities.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Earlier {
     pub(crate) effects: Vec<BTreeMap<String, f64>>,
+    /// As it was named.
+    pub(crate) folder: String,
+    /// Its nominal model, as the diagnosis says it.
+    pub(crate) nominal: String,
 }
 
 #[derive(serde::Deserialize)]
 struct Said {
     effects: Vec<SaidEffect>,
+    #[serde(default)]
+    provenance: SaidProvenance,
+}
+
+#[derive(Default, serde::Deserialize)]
+#[serde(default)]
+struct SaidProvenance {
+    nominal: String,
 }
 
 #[derive(serde::Deserialize)]
@@ -38,6 +51,7 @@ impl Earlier {
     /// # Errors
     /// There is none, or it isn't one that we wrote.
     pub fn load(path: &Path) -> Result<Self, Error> {
+        let folder = path.display().to_string();
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
         let text = orchestrator::plain::read_text(&path)
             .map_err(|source| Error::Io { path: path.clone(), source })?;
@@ -45,7 +59,47 @@ impl Earlier {
             .map_err(|error| Error::Earlier { path: path.clone(), problem: error.to_string() })?;
         let class =
             |effect: SaidEffect| effect.members.into_iter().map(|m| (m.name, m.probability)).collect();
-        Ok(Self { effects: said.effects.into_iter().map(class).collect() })
+        let effects = said.effects.into_iter().map(class).collect();
+        Ok(Self { effects, folder, nominal: said.provenance.nominal })
+    }
+
+    /// Refuses one of another machine: the model of the new data, in words, has none of the names that were found.
+    ///
+    /// # Errors
+    /// Says of what the earlier one is, and what it found.
+    pub(crate) fn fits(&self, model: &str, has: impl Fn(&str) -> bool) -> Result<(), Error> {
+        let names: Vec<&str> = self.effects.iter().flatten().map(|(name, _)| name.as_str()).collect();
+        if names.is_empty() || names.iter().any(|name| has(name)) {
+            return Ok(());
+        }
+        Err(Error::Option {
+            option: "--after",
+            given: self.folder.clone(),
+            problem: format!(
+                "it is a diagnosis of {} and found {}, of which {model}, the model of these data, has nothing; wanted is an earlier diagnosis \
+                 of the same machine",
+                self.nominal,
+                names.join(", ")
+            ),
+        })
+    }
+
+    /// As [`Earlier::fits`], for any unit or scenario.
+    ///
+    /// # Errors
+    /// The earlier one is of another machine.
+    pub(crate) fn fits_model(&self, scenario: &Scenario, fmus: &[Fmu]) -> Result<(), Error> {
+        let files: Vec<&str> = scenario.units.iter().map(|unit| unit.fmu.value.as_str()).collect();
+        let has = |name: &str| {
+            // what the master adds at a port stands after a colon
+            let full = name.split(':').next().unwrap_or(name);
+            let mut units = scenario.units.iter().zip(fmus);
+            units.any(|(unit, fmu)| {
+                let variable = full.strip_prefix(&unit.name).and_then(|rest| rest.strip_prefix('.'));
+                variable.is_some_and(|variable| fmu.description().variable(variable).is_some())
+            })
+        };
+        self.fits(&files.join(", "), has)
     }
 
     /// Losses (deviance over the least) of those that could stand in an effect's place, by name, after what was known of it counts, too; and
@@ -96,5 +150,21 @@ mod tests {
         std::fs::write(folder.join(FILE), text).expect("a file");
         assert_eq!(Earlier::load(&folder).expect("what is wanted").effects[0]["camera.k1"], 0.99);
         let _ = std::fs::remove_dir_all(&folder);
+    }
+
+    #[test]
+    fn bad_input_a_diagnosis_of_another_machine_is_refused_with_what_it_is_of() {
+        let found = Earlier {
+            effects: vec![[("motor.b".to_owned(), 0.9)].into()],
+            folder: "out/first".into(),
+            nominal: "motor.fmu".into(),
+        };
+        let told = found.fits("heater.fmu", |name| name == "heater.Q2").expect_err("a motor's").to_string();
+        let of = "--after out/first: it is a diagnosis of motor.fmu and found motor.b";
+        assert!(told.starts_with(of) && told.contains("of the same machine"), "{told}");
+        assert!(told.contains("of which heater.fmu, the model of these data, has nothing"), "{told}");
+        assert!(found.fits("motor.fmu", |name| name == "motor.b").is_ok());
+        let nothing = Earlier::default();
+        assert!(nothing.fits("heater.fmu", |_| false).is_ok(), "what found nothing weighs nothing");
     }
 }

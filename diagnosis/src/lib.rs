@@ -37,6 +37,7 @@ mod diagnosis;
 mod dynamics;
 mod earlier;
 mod error;
+mod gap;
 mod general;
 mod import;
 mod infer;
@@ -92,9 +93,14 @@ pub fn diagnose(
     match observe::format(path) {
         Some(2) => {
             let problem = observe::load(path, units, options.isolation.as_ref())?;
+            let (scenario, fmus) = (&problem.model.scenario, &problem.model.fmus);
+            options.earlier.iter().try_for_each(|earlier| earlier.fits_model(scenario, fmus))?;
             general::diagnosed(&problem, units, options, tell)
         }
         // it tells, too, what is wrong with a data set of another format or without one
-        Some(_) | None => rigs::acrobot::pipeline::diagnose(path, units, options, tell),
+        Some(_) | None => {
+            options.earlier.iter().try_for_each(Earlier::fits_our_rig)?;
+            rigs::acrobot::pipeline::diagnose(path, units, options, tell)
+        }
     }
 }

@@ -154,6 +154,7 @@ fn law_without_time_nothing_is_searched_and_that_is_said() {
     let found = diagnosed("budget", SHOWN, &[("b_joint", 0.01)], quiet, &options);
     assert!(found.effects.is_empty(), "{:?}", found.effects);
     assert!(found.ended_early.iter().any(|what| what.contains("effects")), "{:?}", found.ended_early);
+    assert!(found.nameless().contains("time was up"), "the list wasn't gone through");
 }
 
 #[test]

@@ -29,6 +29,14 @@ fn every_withheld_name_that_is_none_is_refused_with_the_nearest() {
 }
 
 #[test]
+fn every_name_that_two_columns_have_is_refused_with_their_places() {
+    let folder = small("named-twice", &manifest(1));
+    folder.put("run-01/plant.csv", &plant(60, 1.0).replacen("time,q1,q2", "time,q1,q1", 1));
+    let said = refused(&folder, &options());
+    assert!(said.contains("plant.csv:1: columns 2 and 3 are both called \"q1\""), "{said}");
+}
+
+#[test]
 fn every_key_that_nobody_reads_is_refused_with_its_line() {
     let head = manifest(1).replace("[noise]", "[noize]");
     let said = refused(&small("noize", &head), &options());

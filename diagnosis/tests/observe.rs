@@ -133,6 +133,19 @@ fn value_defaults_come_from_the_description() {
 }
 
 #[test]
+fn value_a_list_of_no_candidates_is_none() {
+    let short = "format = 2\nfmu = \"acrobot_plant.fmu\"\ncandidate = []\n[[channel]]\nvariable = \"acrobot_plant.q1\"\n[[run]]\nfile = \"a.csv\"\n";
+    let problem = load(short, A, B, "none").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(problem.candidates, []);
+    let told = |words: &str| problem.notices.iter().any(|notice| notice.message.contains(words));
+    assert!(
+        told("candidate = []: no parameter may be off") && !told("every parameter"),
+        "{:?}",
+        problem.notices
+    );
+}
+
+#[test]
 fn value_a_scenario_serves_as_well() {
     let set = "format = 2\nscenario = \"visual-servo\"\n[[channel]]\nvariable = \"plant.q1\"\n[[channel]]\nvariable = \"plant.tau\"\n\
                column = \"motor\"\n[[run]]\nfile = \"a.csv\"\n";
@@ -210,6 +223,11 @@ const FAULTS: &[(&str, &str, &str)] = &[
         "shows = \"acrobot_plant.q1\"",
         "shows = \"acrobot_plant.q3\"",
         "dataset.toml:23: acrobot_plant has no variable \"q3\"",
+    ),
+    (
+        "shows = \"acrobot_plant.q1\"",
+        "shows = \"acrobot_plant.dq1\"",
+        "dataset.toml:23: acrobot_plant.dq1 is in rad/s and can't show acrobot_plant.q1_0, which is in rad",
     ),
     ("acrobot_plant.b_joint", "acrobot_plant.q2", "dataset.toml:27: acrobot_plant.q2 is no candidate"),
     ("range = [0, 5e-2]", "range = [5e-2, 0]", "dataset.toml:28: range = [0.05, 0]"),
@@ -300,6 +318,18 @@ fn every_fault_of_a_log_is_told_with_its_line() {
         (
             "time,motor,q1,arm\n3,1,2,3\n2,1,1,2\n1,1,1,2\n",
             "a.csv:3: column \"time\" is no time: 2 of 3 rows",
+        ),
+        (
+            "t [ms],motor,q1,arm\n0,1,2,3\n1,1,2,3\n",
+            "dataset.toml:43: a.csv: the first column is \"t [ms]\", not \"time\"; write time = { column = \"t [ms]\", unit = \"ms\" }",
+        ),
+        (
+            "time,motor,q1,arm,q1\n0,1,2,3,4\n1,1,2,3,4\n",
+            "a.csv:1: columns 3 and 5 are both called \"q1\"",
+        ),
+        (
+            "time,motor,q1,arm\n0,1,2,3\n1,1,1e308,2\n2,1,1,2\n",
+            "a.csv:3: column \"q1\": 1e308 is no measurement",
         ),
         ("time,motor,q1,arm\n", "a.csv:1: no rows"),
         ("time,motor,q1,arm\n0,,2,3\n1,,1,2\n", "column \"motor\" of a.csv holds no number to feed"),

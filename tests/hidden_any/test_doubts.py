@@ -44,6 +44,25 @@ def taken(honest, tmp_path):
     return lambda name: Path(shutil.copytree(honest / name, tmp_path / name))
 
 
+def test_a_start_that_starts_no_state_is_named(taken):
+    folder = taken("motor")
+    text = re.sub(r"\[\[state\]\][^\[]*", "", (folder / "dataset.toml").read_text())
+    (folder / "dataset.toml").write_text(text + '\n[[state]]\nstart = "motor.R"\n')
+    status, said = diagnosed(folder)
+    assert status == 2 and "motor.R starts no state, as it seems" in said and "fed motor" not in said, said
+
+
+@pytest.mark.long
+def test_a_run_whose_times_are_in_another_unit_is_named(taken):
+    folder = taken("motor")
+    path = folder / "run-01.csv"
+    head, *rows = [line.split(",") for line in path.read_text().splitlines()]
+    path.write_text("\n".join(",".join(row) for row in [head, *([f"{1e3 * float(row[0]):.9g}", *row[1:]] for row in rows)]) + "\n")
+    command = [PROGRAM, "--quiet", "diagnose", folder, "--budget", "20", "--out", folder / "found"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())
+    assert done.returncode == 2 and "the rows of run-01.csv are" in done.stderr and "are its times in ms?" in done.stderr, done.stderr
+
+
 def diagnosed(folder):
     command = [PROGRAM, "--quiet", "diagnose", folder, "--out", folder / "found"]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())

@@ -24,6 +24,60 @@ def test_a_number_below_no_name_is_an_error_with_its_line(tmp_path, motor):
         assert (f"{path}:10: 5 cells below 4 names: 7.5 stands below none" in said) == (status == 2), said
 
 
+BARE = {"u": ("u [mV]", 1e-3, 0.0), "i": ("i [mA]", 1e-3, 0.0), "w": ("w [rpm]", 2 * np.pi / 60, 0.0), "phi": ("phi [deg]", np.pi / 180, 0.0)}
+
+
+def test_what_no_log_can_hold_is_an_error_with_its_line(tmp_path, motor):
+    """Two columns of one name, an input in a unit of something else, a number that no sensor gives, a log that is given twice; nothing is written."""
+    path = log(tmp_path / "log.csv", ALL["motor"], BARE)
+    lines = path.read_text().splitlines()
+    head, row = lines[0], lines[51].split(",")
+    huge = [*lines[:51], ",".join([*row[:2], "1e308", *row[3:]]), *lines[52:]]
+    twice = [f"{head},i [mA]", *(f"{line},1" for line in lines[1:])]
+    for text, told in [
+        (twice, f'{path}:1: columns 3 and 6 are both called "i [mA]"'),
+        ([head.replace("u [mV]", "u [kg]"), *lines[1:]], f'{path}:1: column "u [kg]" is called like the input u, which is in V, and kg measures something'),
+        (huge, f'{path}:52: column "i [mA]": 1e308 is no measurement'),
+    ]:
+        path.write_text("\n".join(text) + "\n")
+        assert told in run("import", path, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    path.write_text("\n".join(lines) + "\n")
+    assert f"{path}:1: the same rows as in {path}" in run("import", path, path, "--fmu", motor, "--out", tmp_path / "set", status=2)
+    assert not (tmp_path / "set").exists()
+    # and of a data set that was made of a good one
+    run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    (tmp_path / "set" / "run-01.csv").write_text("\n".join(huge) + "\n")
+    said = run("diagnose", tmp_path / "set", "--out", tmp_path / "out", status=2)
+    assert 'run-01.csv:52: column "i [mA]": 1e308 is no measurement' in said, said
+
+
+def test_rows_that_are_cut_are_left_out_and_told(tmp_path, motor):
+    path = log(tmp_path / "log.csv", ALL["motor"], BARE)
+    head, *rows = path.read_text().splitlines()
+    cut = [*rows[:29], f"{rows[29].split(',')[0]},1", *rows[29:-1], rows[-1][:9]]
+    path.write_text("\n".join([head, *cut]))
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    assert "2 cells below 5 names in line 31 (2 such rows, this is the first): the row is cut and left out" in said, said
+    assert len((tmp_path / "set" / "run-01.csv").read_text().splitlines()) == len(rows)
+
+
+def test_a_log_in_which_no_parameter_acts_has_none_as_candidates(tmp_path, motor):
+    path = log(tmp_path / "log.csv", ALL["motor"], BARE)
+    head, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([head, *(f"{row.split(',')[0]},0,0,0,0" for row in rows)]) + "\n")
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    assert "no parameter may be off: candidate = []" in said and "every parameter may be off" not in said, said
+    assert channels(tmp_path / "set")[1]["candidate"] == []
+
+
+@pytest.mark.long
+def test_times_in_ms_under_a_head_that_says_s_end_with_a_question(tmp_path, motor):
+    path = log(tmp_path / "log.csv", ALL["motor"], BARE, time=("t [s]", 1e-3))
+    said = run("import", path, "--fmu", motor, "--out", tmp_path / "set")
+    assert 'the rows of column "t [s]" are 1.000e1 s apart' in said and "are these times in ms?" in said, said
+    assert "Nothing else was tried against the model" in said, said
+
+
 def test_a_column_of_words_is_left_out_and_told(tmp_path, motor):
     path = log(tmp_path / "log.csv", ALL["motor"], {"u": ("u (V)", 1.0, 0.0), "i": ("i (A)", 1.0, 0.0), "w": ("w (rad/s)", 1.0, 0.0)})
     head, *rows = path.read_text().splitlines()

@@ -18,9 +18,11 @@
 //! - `findings.rs`: effects, classes, what the data would show
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
+//! - `blame.rs`: what most likely made a diagnosis fail
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod amended;
+mod blame;
 mod courses;
 mod equivalent;
 mod events;

@@ -1,6 +1,6 @@
 //! Numbers that a diagnosis of any unit decides by, each with its reason.
 
-use crate::statistics::levels::{CERTAIN, DOUBTED, FEW, HALF, MORE, PART, ROWS, SAMPLE};
+use crate::statistics::levels::{CERTAIN, DOUBTED, FAR, FEW, HALF, MORE, PART, ROWS, SAMPLE};
 
 /// How much is enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +45,9 @@ pub(super) struct General {
     pub beside: f64,
     /// Steps of a row where an input is delayed or lags: a jump is off by half a step, a fortieth of a row.
     pub steps_a_row: f64,
+    /// Rows that are so many times as far apart as those of other runs, or as the unit's own steps, may be in a shorter unit of time: nobody logs so
+    /// seldom what moves so fast, while ten times as seldom is usual.
+    pub rows_apart: f64,
     /// A step is divided by at most this number, for the delay to be a multiple of the step.
     pub finest: i64,
 }
@@ -69,5 +72,6 @@ pub(super) const GENERAL: General = General {
     sure: 0.999,
     beside: PART,
     steps_a_row: 20.0,
+    rows_apart: FAR * FAR,
     finest: FEW as i64,
 };

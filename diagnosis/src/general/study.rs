@@ -5,7 +5,7 @@ use super::mismatch::{HeldOut, Squares};
 use super::residual::{self, Residual};
 use super::rest::name_the_rest;
 use super::rows_left_out::parted;
-use super::{amended, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
+use super::{amended, blame, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Effect, NextExperiment, Unknown, Verdict};
 use crate::dynamics::build::{Built, Span, build};
@@ -63,7 +63,9 @@ pub fn diagnosed(
     let problem = &Problem { deadline, ..problem.clone() };
     let found = diagnosed_in_time(problem, units, options, watch);
     // what was found after it stands on steps that were not made
-    if deadline.is_some_and(|deadline| Instant::now() >= deadline) { Err(Error::TooSlow) } else { found }
+    let is_late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+    let found = if is_late { Err(Error::TooSlow) } else { found };
+    found.map_err(|error| blame::blamed(problem, error))
 }
 
 /// The diagnosis, with what time allows.

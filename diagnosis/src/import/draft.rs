@@ -3,13 +3,15 @@
 //!
 //! It lies in a temporary folder: what an import leaves that failed, or that a unit ended, is nothing.
 
+use super::slow::{Pace, WRITE_IT};
 use super::starts::{self, Start};
 use super::{unshown, write};
 use crate::check::{self, Signs};
-use crate::observe;
+use crate::observe::{self, Problem};
 use orchestrator::fmu::Bench;
 use orchestrator::{Fmu, Isolation, UnitPath};
 use std::path::Path;
+use std::time::Instant;
 
 /// What a draft tells.
 #[derive(Debug, Default)]
@@ -25,26 +27,39 @@ pub(super) struct Tried {
     pub unshown: Vec<usize>,
 }
 
-/// Tries what was found so far; `maybe`: which parameters may start what a variable shows. What can't be read is told by the data set itself.
-pub(super) fn try_draft(
-    file: &Path,
-    fmu: &Fmu,
-    units: &UnitPath,
-    isolation: Option<&Isolation>,
-    found: &write::Found<'_>,
-    maybe: &[Start],
-) -> Tried {
+/// What a draft is made with.
+pub(super) struct Draft<'a> {
+    /// The unit's file.
+    pub file: &'a Path,
+    /// Where units lie.
+    pub units: &'a UnitPath,
+    /// Limits of processes of its own, if runs are made in such.
+    pub isolation: Option<&'a Isolation>,
+    /// How far apart the rows of the longest log are.
+    pub pace: &'a Pace,
+}
+
+/// Tries what was found so far, within the time that there is: what was found after it stands on steps that were not made. `maybe`: which
+/// parameters may start what a variable shows. What can't be read is told by the data set itself.
+pub(super) fn try_draft(with: &Draft<'_>, fmu: &Fmu, found: &write::Found<'_>, maybe: &[Start]) -> Tried {
+    let Draft { file, units, isolation, pace } = *with;
     let Ok(draft) = Bench::new() else { return Tried::default() };
     let written = write::folder(draft.path(), file, fmu, found);
     let read = written.and_then(|_| observe::load(draft.path(), units, isolation));
     let Ok(problem) = read.map(|problem| problem.as_it_is()) else { return Tried::default() };
+    let deadline = Instant::now() + pace.patience();
+    let problem = Problem { deadline: Some(deadline), ..problem };
     if let Some(told) = check::too_long_times(&problem) {
-        return Tried { too_long: Some(told), ..Tried::default() };
+        return Tried { too_long: Some(format!("{told}. {WRITE_IT}")), ..Tried::default() };
     }
     let likely = starts::likely(fmu, found.candidates, maybe);
     let begins = unshown::among(&problem, &likely, &starts::numbers(fmu, found.candidates));
     let is_shown = |one: &unshown::Likely| Some(Start { start: one.start, shows: one.shows? });
     let unshown = begins.iter().filter(|one| one.shows.is_none()).map(|one| one.start).collect();
     let shown = begins.iter().filter_map(is_shown).collect();
-    Tried { too_long: None, signs: check::signs(&problem), shown, unshown }
+    let signs = check::signs(&problem);
+    if Instant::now() >= deadline {
+        return Tried { too_long: Some(pace.too_slow()), ..Tried::default() };
+    }
+    Tried { too_long: None, signs, shown, unshown }
 }

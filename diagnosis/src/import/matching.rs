@@ -42,6 +42,13 @@ pub(super) fn match_columns(
     }
     matches.sort_by_key(|known| (!known.fed, known.variable));
     let left = (0..sheet.columns.len()).filter(|column| *column != time && !taken.contains(column));
+    let is_free = |place: usize| matches.iter().all(|known| known.variable != place);
+    if let Some(problem) = left
+        .clone()
+        .find_map(|column| misnamed(&sheet.columns[column], description, &instance(fmu), &is_free))
+    {
+        return Err(Error::Manifest { path: sheet.path.clone(), line: sheet.lines.0, problem });
+    }
     notices.extend(left.map(|column| {
         format!("column {:?} fits no variable of {}: left out", sheet.columns[column].text, instance(fmu))
     }));
@@ -67,6 +74,33 @@ fn check_units(description: &Description, sheet: &Sheet, matches: &[Match]) -> R
         }
     }
     Ok(())
+}
+
+/// What is wrong with a column that is left over since its unit measures something else than the input or output of the very same name that is still
+/// free: nobody means to leave that at its start value.
+fn misnamed(
+    head: &Header,
+    description: &Description,
+    instance: &str,
+    is_free: &dyn Fn(usize) -> bool,
+) -> Option<String> {
+    let unit = head.unit.as_deref().filter(|unit| measure::named(unit).is_some())?;
+    // a letter after an underscore may be an index
+    let is_called = |variable: &Variable| {
+        let own = format!("{instance}.{}", variable.name);
+        (head.name == variable.name || head.name == own) && head.text != format!("{}_{unit}", head.name)
+    };
+    let is_port = |variable: &Variable| matches!(variable.causality, Causality::Input | Causality::Output);
+    let mut all = description.variables.iter().enumerate();
+    let (_, variable) = all.find(|(place, one)| is_port(one) && is_called(one) && is_free(*place))?;
+    let own = variable.unit.as_deref().filter(|own| !own.is_empty())?;
+    measure::conversion(unit, variable, description).err()?;
+    let what = if variable.causality == Causality::Input { "input" } else { "output" };
+    Some(format!(
+        "column {:?} is called like the {what} {}, which is in {own}, and {unit} measures something else: write the unit that was meant into the log's \
+         head, or give a column that is something else another name",
+        head.text, variable.name
+    ))
 }
 
 /// Columns and variables that may be one, the likeliest pair first: likeness, places of both, and why.
@@ -271,6 +305,7 @@ fn numbered(column: &str, variable: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::heads::header;
     use super::*;
 
     #[test]
@@ -280,6 +315,27 @@ mod tests {
         assert_eq!(numbered("Heater 1", "Q1"), IMPORT.alike);
         assert_eq!(numbered("Heater 2", "Q1"), 0.0);
         assert_eq!(numbered("Heater", "Q"), 0.0);
+    }
+
+    #[test]
+    fn bad_data_the_name_of_an_input_in_a_unit_of_something_else() {
+        let text = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/><ModelVariables>
+            <ScalarVariable name="u" valueReference="0" causality="input"><Real unit="V"/></ScalarVariable>
+            <ScalarVariable name="m" valueReference="1" causality="local"><Real unit="m"/></ScalarVariable>
+            </ModelVariables><ModelStructure/></fmiModelDescription>"#;
+        let description = Description::parse(text).expect("a description");
+        let of = |head: &str, free: bool| misnamed(&header(head), &description, "motor", &|_| free);
+        let told = of("u [kg]", true).expect("a voltage");
+        assert!(
+            told.starts_with("column \"u [kg]\" is called like the input u, which is in V, and kg"),
+            "{told}"
+        );
+        assert!(of("motor.u (kg)", true).is_some());
+        // taken by another column, one that fits, a local variable, an index, a unit that nobody knows
+        assert_eq!(of("u [kg]", false), None);
+        for head in ["u [mV]", "m [kg]", "u_s", "u [blorps]", "u"] {
+            assert_eq!(of(head, true), None, "{head}");
+        }
     }
 
     #[test]

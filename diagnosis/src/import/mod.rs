@@ -13,6 +13,7 @@
 //! - `draft.rs`: signs by stretches of the logs, states that no variable shows
 //! - `unshown.rs`: which parameters start such states
 //! - `trial.rs`: runs the model and compares: signs, units, offsets
+//! - `slow.rs`: a model that takes too long, and times in another unit
 //! - `straight_line.rs`: the straight line between measured and simulated
 //! - `idle_parameters.rs`: parameters that change nothing
 //! - `write.rs`: the folder
@@ -27,6 +28,7 @@ mod matching;
 mod policy;
 mod settle;
 mod sheet;
+mod slow;
 mod starts;
 mod straight_line;
 mod table;
@@ -97,7 +99,7 @@ impl Clock {
 /// What a data set is to be made of, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Import<'a> {
-    /// One file a run.
+    /// One file a run, each once.
     pub logs: &'a [PathBuf],
     /// The unit that models what was measured.
     pub fmu: &'a Path,
@@ -131,14 +133,22 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
     let mut matches = matching::match_columns(&unit, first, time.place, &mut notices)?;
     let longest = sheets.iter().max_by_key(|sheet| sheet.rows.len()).unwrap_or(first);
     let known = Known { fmu: &unit, units, sheet: longest, time: &time, starts: &[], signs: None, isolation };
-    known.trial(&matches).rehearse(limits)?;
+    let pace = slow::Pace::of(longest, &time, unit.description());
+    let too_slow = known.trial(&matches).rehearse(limits, &pace)?;
     let measured: Vec<usize> = matches.iter().map(|known| known.variable).collect();
     let (mut starts, maybe) = starts::find_starts(&unit, &measured, limits);
     let first = Known { starts: &starts, ..known };
     let candidates = write::parameters(&unit, &starts);
     let found = write::Found::new(&sheets, &first, &told, &matches, &candidates);
-    let draft::Tried { too_long, signs, shown, unshown } =
-        draft::try_draft(fmu, &unit, units, isolation, &found, &maybe);
+    let draft::Tried { too_long, signs, shown, unshown } = match too_slow {
+        Some(told) => draft::Tried { too_long: Some(told), ..draft::Tried::default() },
+        None => draft::try_draft(
+            &draft::Draft { file: fmu, units, isolation, pace: &pace },
+            &unit,
+            &found,
+            &maybe,
+        ),
+    };
     starts.extend(shown);
     let mut candidates = write::parameters(&unit, &starts);
     candidates.retain(|place| !unshown.contains(place));
@@ -168,10 +178,7 @@ fn try_model(
     notices: &mut Vec<String>,
 ) -> idle_parameters::Found {
     if let Some(told) = too_long {
-        notices.push(format!(
-            "{told}: nothing else was tried against the model. Write the unit into the head of the column of time, as in \"time [ms]\", and import \
-             again"
-        ));
+        notices.push(format!("{told}. Nothing else was tried against the model"));
         return idle_parameters::Found::default();
     }
     trial::against_model(known, matches, notices);
@@ -190,9 +197,24 @@ fn read_sheets(logs: &[PathBuf], unit: &Fmu, clock: Option<Clock>) -> Result<Vec
             let own = text.strip_prefix(&instance(unit)).and_then(|rest| rest.strip_prefix('.'));
             unit.description().place(own.unwrap_or(text)).is_some()
         });
+        again(&sheets, &sheet).map_or(Ok(()), Err)?;
         sheets.push(sheet);
     }
     Ok(sheets)
+}
+
+/// What is wrong with a log that holds the same rows as one before.
+fn again(known: &[Sheet], sheet: &Sheet) -> Option<Error> {
+    let bits = |row: &Vec<f64>| row.iter().map(|cell| cell.to_bits()).collect::<Vec<_>>();
+    let is_same = |other: &&Sheet| {
+        other.names() == sheet.names() && other.rows.iter().map(bits).eq(sheet.rows.iter().map(bits))
+    };
+    let first = known.iter().find(is_same)?;
+    let problem = format!(
+        "the same rows as in {}: counted twice they would tell more than they do. Give one of both",
+        first.path.display()
+    );
+    Some(Error::Manifest { path: sheet.path.clone(), line: sheet.lines.0, problem })
 }
 
 /// Which logs have other columns than the first.
@@ -219,4 +241,26 @@ struct Time {
 /// Name of the instance in the data set.
 fn instance(fmu: &Fmu) -> String {
     orchestrator::scenario::name_of_file(fmu.path())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_data_a_log_that_is_given_twice_is_told_by_its_name() {
+        let sheet = |path: &str, row: [f64; 2]| Sheet {
+            path: path.into(),
+            columns: ["t", "u"].map(heads::header).to_vec(),
+            rows: vec![vec![0.0, f64::NAN], row.to_vec()],
+            lines: (3, vec![4, 5]),
+            dialect: None,
+            clock: None,
+            told: vec![],
+        };
+        let known = [sheet("a.csv", [1.0, 2.0])];
+        let told = again(&known, &sheet("b.csv", [1.0, 2.0])).expect("the same").to_string();
+        assert!(told.contains("b.csv:3: the same rows as in a.csv"), "{told}");
+        assert!(again(&known, &sheet("b.csv", [1.0, 2.5])).is_none());
+    }
 }

@@ -1,5 +1,6 @@
 //! Numbers that logs and a unit are made a data set by, each with its reason.
 
+use crate::options::GIVEN_UP;
 use crate::statistics::levels::{CERTAIN, FAR, FINE, HALF, ROUNDING, SEVERAL, SLIGHT, SMALL, STEP};
 use std::time::Duration;
 
@@ -44,6 +45,19 @@ pub(super) struct Import {
     pub idle_moves: [f64; 4],
     /// Real time that such a run may take in any case: to start a process takes some of it.
     pub idle_least: Duration,
+    /// Rows so many of the unit's own steps apart may be in a shorter unit of time: whole numbers then, if no unit is said, are ms.
+    pub rows_apart: f64,
+    /// And from so many steps on they are not even that.
+    pub rows_too_far: f64,
+    /// Real time, s, that each look at the unit may take (its first run, the stretches of the logs, its signs): then a diagnosis, which takes hundreds
+    /// of such, has no chance, and the guesses that are left have to do.
+    pub patience: f64,
+    /// The same where rows are so many steps apart: in the right unit a look takes a second.
+    pub short_patience: f64,
+    /// Rows with fewer cells than there are names are cut where they are at most this share; where more are, a logger leaves empty cells out.
+    pub cut_rows: f64,
+    /// Numbers up to here are told with three decimals.
+    pub written: f64,
 }
 
 /// Those in force.
@@ -66,4 +80,10 @@ pub(super) const IMPORT: Import = Import {
     offset: CERTAIN,
     idle_moves: [SMALL, HALF, 2.0, FAR],
     idle_least: Duration::from_secs(1),
+    rows_apart: FAR * FAR,
+    rows_too_far: FAR * FAR * FAR * FAR * FAR,
+    patience: SEVERAL * GIVEN_UP,
+    short_patience: HALF * GIVEN_UP,
+    cut_rows: SMALL,
+    written: 1.0 / ROUNDING,
 };

@@ -2,11 +2,12 @@
 
 use super::cells::{Marks, is_missing, is_value, is_word};
 use super::heads::{Header, header};
+use super::policy::IMPORT;
 use super::text::{Separator, Text};
 use super::times::TIME_NAMES;
 use super::timestamps::{READ, Timestamps};
 use crate::error::Error;
-use crate::observe::is_date;
+use crate::observe::{csv_text, implausible, is_date};
 use std::path::{Path, PathBuf};
 
 /// A line of a log and its cells.
@@ -90,6 +91,23 @@ fn nameless(record: &csv::StringRecord, names: usize) -> Option<String> {
     Some(format!("{} cells below {names} names: {cell} stands below none", record.len()))
 }
 
+/// Takes out the rows that end before their last cell, and tells them: the last cell that is there may be cut, too. Where many rows do, a logger
+/// leaves empty cells at their end out, and nothing is cut.
+fn without_cut_rows(columns: &[Header], records: &mut Vec<Record>) -> Option<String> {
+    let names = columns.iter().rposition(|column| !column.text.is_empty()).map_or(0, |last| last + 1);
+    let is_short = |(_, record): &&Record| record.len() < names;
+    let (line, first) = records.iter().find(is_short)?;
+    let (line, cells) = (*line, first.len());
+    let count = records.iter().filter(is_short).count();
+    let found = format!("{cells} cells below {names} names in line {line}");
+    let such = if count > 1 { format!(" ({count} such rows, this is the first)") } else { String::new() };
+    if count as f64 > IMPORT.cut_rows * records.len() as f64 {
+        return Some(format!("{found}{such}: what is missing at the end of so many rows was not measured"));
+    }
+    records.retain(|(_, record)| record.len() >= names);
+    Some(format!("{found}{such}: the row is cut and left out, since its last cell may be cut, too"))
+}
+
 /// The names of a table and its records with their lines.
 fn records(text: &Text, path: &Path) -> Result<(Vec<Header>, Vec<Record>), Error> {
     let wrong = |line: usize, problem: String| Error::Manifest { path: path.to_owned(), line, problem };
@@ -124,6 +142,8 @@ impl Sheet {
             let (_, units) = records.remove(0);
             columns.iter_mut().zip(units.iter()).for_each(|(column, cell)| column.measured_in(cell));
         }
+        let mut told = text.left_out;
+        told.extend(without_cut_rows(&columns, &mut records));
         let cells = records.iter().flat_map(|(_, record)| record.iter());
         let marks = Marks::of(cells, text.separator == Separator::Comma);
         let mut kinds: Vec<Cells> = vec![Cells::default(); columns.len()];
@@ -135,10 +155,11 @@ impl Sheet {
         };
         let rows = records.iter().map(row).collect();
         let lines = (text.above + 1, records.iter().map(|(line, _)| *line).collect());
-        let (path, told) = (path.to_owned(), text.left_out);
+        let (path, named) = (path.to_owned(), columns.clone());
         let mut sheet = Self { path, columns, rows, lines, dialect: None, clock: None, told };
         sheet.with_clock(&records, &mut kinds)?;
         sheet.without_words(&kinds)?;
+        sheet.check_numbers(&named)?;
         if sheet.rows.len() < 3 {
             let problem = format!("{} rows: too few to compare", sheet.rows.len());
             return Err(sheet.wrong(sheet.lines.0, problem));
@@ -224,6 +245,22 @@ impl Sheet {
         Ok(())
     }
 
+    /// No two columns of numbers have one name, of all that were `named`, and each number can have been measured.
+    fn check_numbers(&self, named: &[Header]) -> Result<(), Error> {
+        let twice = self.names().iter().enumerate().any(|(at, text)| self.names()[..at].contains(text));
+        let is_kept = |head: &&Header| self.place(&head.text).is_some();
+        let names = named.iter().map(|head| if is_kept(&head) { head.text.as_str() } else { "" });
+        if let Some(problem) = csv_text::named_twice(names).filter(|_| twice) {
+            return Err(self.wrong(self.lines.0, problem));
+        }
+        for (place, head) in self.columns.iter().enumerate() {
+            if let Some((row, told)) = implausible(&self.column(place)) {
+                return Err(self.wrong(self.lines.1[row], format!("column {:?}: {told}", head.text)));
+            }
+        }
+        Ok(())
+    }
+
     /// The heads as written.
     pub(super) fn names(&self) -> Vec<&str> {
         self.columns.iter().map(|column| column.text.as_str()).collect()
@@ -260,6 +297,43 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A log with this text; `name` is the test's own.
+    fn read(name: &str, text: &str) -> Result<Sheet, String> {
+        let path = std::env::temp_dir().join(format!("diagnosis-{name}-{}.csv", std::process::id()));
+        std::fs::write(&path, text).expect("a temporary file can be written");
+        let sheet = Sheet::read(&path).map_err(|error| error.to_string());
+        let _ = std::fs::remove_file(&path);
+        sheet
+    }
+
+    #[test]
+    fn bad_data_a_row_that_is_cut_is_left_out_and_told() {
+        let rows: String = (0..30).map(|row| format!("{row},1,{row}.5\n")).collect();
+        let sheet = read("cut", &format!("t,u,w\n{rows}30,2\n31,1,2\n32,-1\n")).expect("it is read");
+        assert_eq!((sheet.rows.len(), sheet.rows[30][0], sheet.lines.1[30]), (31, 31.0, 33));
+        let told = sheet.told.join("; ");
+        assert!(
+            told.contains("2 cells below 3 names in line 32 (2 such rows, this is the first): the row is cut and left out"),
+            "{told}"
+        );
+        // a logger that leaves empty cells at the end out
+        let sheet = read("ends", "t,u,note\n0,1\n1,2\n2,1,7\n3,1\n").expect("it is read");
+        assert_eq!((sheet.rows.len(), sheet.rows[1][1]), (4, 2.0));
+        assert!(sheet.told.join(";").contains("was not measured"), "{:?}", sheet.told);
+        // and a comma behind all names
+        assert_eq!(read("comma", "t,u,\n0,1\n1,2\n2,1\n").expect("it is read").told, [""; 0]);
+    }
+
+    #[test]
+    fn bad_data_columns_of_one_name_and_what_no_sensor_gives() {
+        let told = read("twice", "t,i [mA],mode,i [mA]\n0,1,on,2\n1,1,off,2\n2,1,on,3\n").unwrap_err();
+        assert!(told.contains(":1: columns 2 and 4 are both called \"i [mA]\""), "{told}");
+        // words are left out, whatever they are called
+        assert!(read("words", "t,i,i\n0,1,on\n1,1,off\n2,1,on\n").is_ok());
+        let told = read("huge", "# rig\nt,i [mA]\n0,1\n1,-2\n2,1e308\n3,1\n").unwrap_err();
+        assert!(told.contains(":5: column \"i [mA]\": 1e308 is no measurement"), "{told}");
+    }
 
     #[test]
     fn value_heads_that_are_names_of_variables() {

@@ -45,7 +45,11 @@ pub(super) fn find_starts(fmu: &Fmu, measured: &[usize], limits: &Isolation) -> 
         let by_its_name = tells_a_start(&parameter.name);
         let free = |one: &usize| all.iter().all(|known| known.shows != *one);
         let mut there = follows(fmu, parameter, &shown, &nominal).unwrap_or_default();
-        there.retain(free);
+        let is_like = |one: &usize| {
+            let shown = (&description.variables[*one], description);
+            !observe::measure::are_unlike((parameter, description), shown)
+        };
+        there.retain(|one| free(one) && is_like(one));
         if !there.is_empty() {
             there.retain(|one| hangs_on_it_alone(&apart, parameter, *one));
         }

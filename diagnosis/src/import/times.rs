@@ -107,7 +107,7 @@ impl Sheet {
         let own = description.default_experiment.step_size.filter(|step| *step > 0.0);
         let whole = self.rows.iter().all(|row| row[place].fract() == 0.0);
         match own {
-            Some(own) if whole && gap / own > 100.0 && gap / own < 1e5 => {
+            Some(own) if whole && gap / own > IMPORT.rows_apart && gap / own < IMPORT.rows_too_far => {
                 ("ms".into(), format!("rows are {gap} apart, the unit's own step is {own} s: taken as ms"))
             }
             None if whole && (5.0..1e3).contains(&gap) => {

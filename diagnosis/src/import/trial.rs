@@ -2,6 +2,7 @@
 
 use super::policy::IMPORT;
 use super::sheet::Sheet;
+use super::slow::Pace;
 use super::starts::{self, Start};
 use super::straight_line::{Line, line};
 use super::{Match, Time, instance};
@@ -14,7 +15,7 @@ use judge::judge;
 use orchestrator::fmu::Description;
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Fmu, Isolation, MemoryRecorder, Place, Scenario, Simulation, UnitPath};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What is known before a trial.
 #[derive(Clone, Copy)]
@@ -88,13 +89,8 @@ fn likeliest_signs(
     ways: usize,
 ) -> Result<(usize, Vec<Option<Line>>), Option<Failed>> {
     let mut best: Option<(f64, usize, Vec<Option<Line>>)> = None;
-    let mut failed = None;
-    // what is counted in nobody knows what may not say where the model starts
-    let is_counted = |one: &&Start| {
-        let without = |matched: &Match| matched.unit.is_none() && matched.affine.is_none();
-        !matches.iter().any(|matched| matched.variable == one.shows && without(matched))
-    };
-    let counted: Vec<Start> = known.starts.iter().filter(is_counted).copied().collect();
+    let (mut failed, began) = (None, Instant::now());
+    let counted = counted_starts(known.starts, matches);
     let from_the_first_row = known.trial(matches).stretch().is_ok_and(|stretch| stretch.first == 0);
     let mut begins = vec![known.starts];
     if counted.len() < known.starts.len() && from_the_first_row {
@@ -106,6 +102,10 @@ fn likeliest_signs(
             _ => 1.0,
         };
         let begun = Known { starts: begins[place], ..*known };
+        // the best of those that were tried may not be the best
+        if began.elapsed().as_secs_f64() > IMPORT.patience {
+            return Err(Some(Failed::too_slow()));
+        }
         let lines = match begun.trial(matches).compared(&sign) {
             Ok(lines) => lines,
             Err(why) => {
@@ -127,6 +127,15 @@ fn likeliest_signs(
         }
     }
     best.map(|(_, turns, lines)| (turns, lines)).ok_or(failed)
+}
+
+/// The starts of states whose measured values are in a known unit: what is counted in nobody knows what may not say where the model starts.
+fn counted_starts(starts: &[Start], matches: &[Match]) -> Vec<Start> {
+    let is_counted = |one: &&Start| {
+        let without = |matched: &Match| matched.unit.is_none() && matched.affine.is_none();
+        !matches.iter().any(|matched| matched.variable == one.shows && without(matched))
+    };
+    starts.iter().filter(is_counted).copied().collect()
 }
 
 /// Ways in which the signs of so many inputs are tried.
@@ -218,18 +227,23 @@ impl Trial<'_> {
     /// Runs it as the data set has it so far, in a process of its own whatever was asked for: nobody here has run this unit before, and that
     /// process tells the most of how it ended. What else a run may be refused for is told by what follows.
     ///
+    /// Gives what to say where it takes too long.
+    ///
     /// # Errors
     /// The unit crashed, ended its process, or did not come back from a call.
-    pub(super) fn rehearse(&self, limits: &Isolation) -> Result<(), Error> {
-        let mut within = Within::new(None);
+    pub(super) fn rehearse(&self, limits: &Isolation, pace: &Pace) -> Result<Option<String>, Error> {
+        let mut within = Within::new(Some(pace.patience()));
         let run = self
             .stretch()
             .and_then(|stretch| self.simulated(&stretch, &|_| 1.0, &[], Some(limits), &mut within));
-        let Err(Failed { why, died: true }) = run else { return Ok(()) };
+        let Err(Failed { why, died: true }) = run else {
+            return Ok(within.over.then(|| pace.too_slow()));
+        };
         let (log, file) = (self.sheet.path.display(), self.fmu.path().display());
+        let times = pace.question().map(|question| format!("; {question}")).unwrap_or_default();
         Err(Error::Model(format!(
             "{file} can't be run on {log}, and nothing was written: {why}\n`acroscope check {file}` tells what is wrong with a unit; one that is \
-             only slow has more time with --step-limit"
+             only slow has more time with --step-limit{times}"
         )))
     }
 
@@ -281,8 +295,11 @@ impl Trial<'_> {
     /// Runs it and gives each output its line.
     fn compared(&self, sign: &dyn Fn(usize) -> f64) -> Result<Vec<Option<Line>>, Failed> {
         let stretch = self.stretch()?;
-        let mut within = Within::new(None);
+        let mut within = Within::new(Some(Duration::from_secs_f64(IMPORT.patience)));
         let results = self.simulated(&stretch, sign, &[], self.isolation, &mut within)?;
+        if within.over {
+            return Err(Failed::too_slow());
+        }
         let outputs = || self.matches.iter().filter(|matched| !matched.fed);
         let begun = stretch.first == 0
             || outputs().all(|matched| starts::find(self.starts, matched.variable).is_some());

@@ -66,6 +66,9 @@ pub(super) fn folder(out: &Path, file: &Path, fmu: &Fmu, found: &Found<'_>) -> R
          format = 2\nfmu = {}\n",
         quoted(&unit)
     );
+    if none_acts(candidates, tried.unwrap_or(&idle_parameters::Found::default())) {
+        text.push_str("candidate = []                           # none; take this line out where you add a [[candidate]]\n");
+    }
     for matched in matches {
         channel(&mut text, &mut guesses, fmu, matched);
     }
@@ -177,6 +180,11 @@ pub(super) fn parameters(fmu: &Fmu, starts: &[Start]) -> Vec<usize> {
     all.map(|(place, _)| place).collect()
 }
 
+/// Whether there are parameters, and each of them was seen to change nothing.
+fn none_acts(all: &[usize], tried: &idle_parameters::Found) -> bool {
+    !all.is_empty() && all.iter().all(|place| tried.idle.contains(place))
+}
+
 /// Every parameter, for the user to strike out what can't be off; what changes nothing is struck out already.
 fn put_candidates(
     text: &mut String,
@@ -200,10 +208,13 @@ fn put_candidates(
     };
     let (struck, kept): (Vec<usize>, Vec<usize>) = all.iter().partition(|place| tried.idle.contains(place));
     if !kept.is_empty() {
-        text.push_str("\n# guess: every parameter may be off; strike out what you are sure of\n");
+        text.push_str("\n# guess: every parameter may be off; strike out what you are sure of. Of all: write candidate = [] below `fmu`\n");
     }
     kept.iter().for_each(|place| text.push_str(&entry(*place, "")));
-    guesses.push(format!("{} parameters may be off", kept.len()));
+    guesses.push(match kept.len() {
+        0 if none_acts(all, tried) => "no parameter may be off: candidate = []".to_owned(),
+        count => format!("{count} parameters may be off"),
+    });
     if tried.untried > 0 {
         guesses.push(format!(
             "the last {} were not tried, since the unit takes long or can't be run in a process of its own: some may change nothing",

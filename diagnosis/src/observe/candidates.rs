@@ -17,14 +17,14 @@ const SCALES: [(&str, Scale); 5] = [
     ("count", Scale::Count),
 ];
 
-/// All candidates: those that the file lists, else every parameter of the units.
+/// All candidates: those that the file lists, be it none (`candidate = []`), else every parameter of the units.
 pub(super) fn resolve(
     model: &Nominal,
     states: &[State],
     file: &File,
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<Candidate>, Error> {
-    if file.raw.candidate.is_empty() {
+    let Some(listed) = &file.raw.candidate else {
         let found = by_itself(model, states);
         let names: Vec<&str> = found.iter().map(|candidate| candidate.name.as_str()).collect();
         let message = match names.as_slice() {
@@ -33,9 +33,14 @@ pub(super) fn resolve(
         };
         notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
         return Ok(found);
+    };
+    if listed.is_empty() {
+        let message =
+            "candidate = []: no parameter may be off, and only effects at ports are looked for".into();
+        notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
     }
     let mut candidates: Vec<Candidate> = Vec::new();
-    for entry in &file.raw.candidate {
+    for entry in listed {
         let one = candidate(model, file, entry, notices)?;
         if let Some(first) = candidates.iter().find(|known| known.variable == one.variable) {
             let problem = format!("a second candidate {}, the first is at line {}", one.name, first.line);

@@ -26,5 +26,39 @@ pub fn read(path: &Path, otherwise: &str) -> Result<String, Error> {
         let wanted = "wanted are commas between columns and points in numbers";
         return Err(wrong(1, format!("columns are separated by {separators}; {wanted}{otherwise}")));
     }
-    Ok(text)
+    let names =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(head.as_bytes()).headers().cloned();
+    match names.ok().and_then(|names| named_twice(names.iter())) {
+        Some(problem) => Err(wrong(1, problem)),
+        None => Ok(text),
+    }
+}
+
+/// What is wrong with the names of a log's columns where two have one name: nobody knows which is meant. Columns without a name are nobody's.
+pub(crate) fn named_twice<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let mut known: Vec<&str> = Vec::new();
+    for name in names {
+        if let Some(first) = known.iter().position(|known| !name.is_empty() && *known == name) {
+            return Some(format!(
+                "columns {} and {} are both called {name:?}, and nobody knows which is meant: one of that name. Call the other something \
+                 else, or take it out",
+                first + 1,
+                known.len() + 1
+            ));
+        }
+        known.push(name);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::named_twice;
+
+    #[test]
+    fn value_which_columns_have_one_name() {
+        let told = named_twice(["t", "i [mA]", "", "u", "i [mA]", ""].into_iter()).expect("two of them");
+        assert!(told.starts_with("columns 2 and 5 are both called \"i [mA]\""), "{told}");
+        assert_eq!(named_twice(["t", "i", "I", "", ""].into_iter()), None);
+    }
 }

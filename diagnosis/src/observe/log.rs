@@ -3,6 +3,7 @@
 //! An empty cell, or `nan`, was not measured then. Rows whose time is not later than the one before are left out, with a
 //! notice; what is no number is an error with its line.
 
+use super::implausible::implausible;
 use super::{EPOCH, Series, csv_text};
 use crate::error::{Error, Notice};
 use crate::statistics::levels::SMALL;
@@ -153,14 +154,20 @@ impl Log {
 
     /// The numbers of a column, with their times.
     pub(super) fn series(&self, place: usize, times: &Times) -> Result<Series, Error> {
-        let mut series = Series::default();
+        let (mut series, mut lines) = (Series::default(), Vec::new());
         for (row, time) in &times.rows {
             if let Some(value) = self.number(*row, place)? {
                 series.time.push(*time);
                 series.values.push(value);
+                lines.push(self.rows[*row].0);
             }
         }
-        Ok(series)
+        match implausible(&series.values) {
+            Some((at, told)) => {
+                Err(self.wrong(lines[at], format!("column {:?}: {told}", self.columns[place])))
+            }
+            None => Ok(series),
+        }
     }
 }
 

@@ -252,6 +252,21 @@ pub fn conversion(unit: &str, variable: &Variable, description: &Description) ->
     Ok(whole(from.factor / to.factor, (from.offset - to.offset) / to.factor))
 }
 
+/// Whether two variables, each with its description, are in units of different quantities. A turn counts as none beside another quantity (1/s and
+/// rad/s), and what is in no unit or in 1 may be anything.
+pub(crate) fn are_unlike(one: (&Variable, &Description), other: (&Variable, &Description)) -> bool {
+    let base = |(variable, description): (&Variable, &Description)| {
+        let own = variable.unit.as_deref().filter(|own| !own.is_empty())?;
+        let base = description.unit(own).and_then(|unit| unit.base).or_else(|| named(own))?;
+        (base.exponents != NONE).then_some(base.exponents)
+    };
+    let is_turn = |place: &usize| RAD[*place] != 0;
+    let differ = |(one, other): ([i32; 8], [i32; 8])| {
+        (0..one.len()).filter(|place| !is_turn(place)).any(|place| one[place] != other[place])
+    };
+    base(one).zip(base(other)).is_some_and(differ)
+}
+
 /// Whether a variable counts something per second.
 pub fn is_rate(variable: &Variable, description: &Description) -> bool {
     let own = variable.unit.as_deref().filter(|own| !own.is_empty());
@@ -347,6 +362,26 @@ mod tests {
         assert_eq!((scale("g", 0), scale("g", 1), scale("mg", 0)), (1e-3, 9.80665, 1e-6));
         assert_eq!(scale("mg", 1), 9.80665e-3);
         assert!(of("kg", 1).is_err() && of("s", 1).is_err() && of("N", 0).is_err());
+    }
+
+    #[test]
+    fn value_which_units_are_of_other_quantities() {
+        let text = |one: &str, other: &str| {
+            format!(
+                r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/><ModelVariables>
+                <ScalarVariable name="a" valueReference="0" causality="output"><Real unit="{one}"/></ScalarVariable>
+                <ScalarVariable name="b" valueReference="1" causality="output"><Real unit="{other}"/></ScalarVariable></ModelVariables>
+                <ModelStructure/></fmiModelDescription>"#
+            )
+        };
+        let alike =
+            [("rad", "deg"), ("rad/s", "1/s"), ("K", "degC"), ("1", "V"), ("", "V"), ("furlong", "V")];
+        let all = alike.map(|(one, other)| (one, other, false));
+        for (one, other, unlike) in all.into_iter().chain([("rad", "rad/s", true), ("m", "rad", true)]) {
+            let description = Description::parse(&text(one, other)).expect("a description");
+            let of = |place: usize| (&description.variables[place], &description);
+            assert_eq!(are_unlike(of(0), of(1)), unlike, "{one} {other}");
+        }
     }
 
     #[test]

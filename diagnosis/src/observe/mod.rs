@@ -13,10 +13,13 @@
 //! - `run_files.rs`: the files of runs
 //! - `log.rs`: CSV
 //! - `clock.rs`: units of time, and times since 1970
+//! - `implausible.rs`: values that nothing can have been measured at
+//! - `seen.rs`: whether a start is seen where a run begins, and its line
 
 mod candidates;
 mod clock;
 pub(crate) mod csv_text;
+mod implausible;
 mod log;
 pub mod measure;
 mod nominal;
@@ -24,10 +27,13 @@ mod own;
 mod raw;
 mod resolve;
 mod run_files;
+mod seen;
 mod unlogged;
 
-pub(crate) use clock::{EPOCH, SINCE_1970, UNITS, units_below_seconds, units_to_seconds};
+pub(crate) use clock::{EPOCH, SINCE_1970, UNITS, shorter_unit, units_below_seconds, units_to_seconds};
+pub(crate) use implausible::implausible;
 pub(crate) use log::is_date;
+pub(crate) use seen::{is_seen, line_of_state};
 pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};

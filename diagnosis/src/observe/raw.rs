@@ -23,8 +23,8 @@ pub(super) struct Raw {
     pub(super) channel: Vec<Spanned<Channel>>,
     #[serde(default)]
     pub(super) state: Vec<Spanned<State>>,
-    #[serde(default)]
-    pub(super) candidate: Vec<Spanned<Candidate>>,
+    /// An empty list says that there is none.
+    pub(super) candidate: Option<Vec<Spanned<Candidate>>>,
     #[serde(default)]
     pub(super) ports: Ports,
     #[serde(default)]

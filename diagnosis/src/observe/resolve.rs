@@ -6,7 +6,7 @@ use super::{
     Affine, Channel, Hold, InputEffect, Nominal, OutputEffect, Ports, Problem, Reading, Role, Run, Series,
     State, VariableId,
 };
-use super::{candidates, measure, nominal, run_files, unlogged};
+use super::{candidates, clock, measure, nominal, run_files, unlogged};
 use crate::error::{Error, Notice};
 use orchestrator::fmu::{Causality, Initial, Variability, Variable};
 use orchestrator::{Isolation, Kind, UnitPath, nearest};
@@ -242,7 +242,8 @@ fn times(
         None => {
             let first = log.columns.first().map_or("", String::as_str);
             let problem = format!(
-                "{name}: the first column is {first:?}, not \"time\"; write time = {{ column = {first:?}, unit = \"s\" }}"
+                "{name}: the first column is {first:?}, not \"time\"; write time = {{ column = {first:?}, unit = {:?} }}",
+                clock::unit_in(first)
             );
             return Err(file.wrong(&raw.file.span(), problem));
         }
@@ -305,11 +306,34 @@ fn states(
                 file.wrong(&raw.start.span(), format!("a second [[state]] for {}", model.name(start)))
             );
         }
-        let shows = raw.shows.as_ref().map(|name| variable(model, name, file)).transpose()?;
+        let shows = raw.shows.as_ref().map(|name| shown(model, start, name, file)).transpose()?;
         states.push(entry(start, shows.or((!parameter).then_some(start))));
     }
     notices.extend(unlisted_states(model, &states, file));
     Ok(states)
+}
+
+/// The variable that a `shows` names, which measures what its start does.
+fn shown(
+    model: &Nominal,
+    start: VariableId,
+    name: &Spanned<String>,
+    file: &File,
+) -> Result<VariableId, Error> {
+    let shows = variable(model, name, file)?;
+    let of = |id: VariableId| (model.variable(id), model.description(id.instance));
+    if measure::are_unlike(of(start), of(shows)) {
+        let unit = |id: VariableId| model.variable(id).unit.as_deref().unwrap_or_default();
+        let problem = format!(
+            "{} is in {} and can't show {}, which is in {}: `shows` is the variable that has the start's value where a run begins",
+            model.name(shows),
+            unit(shows),
+            model.name(start),
+            unit(start)
+        );
+        return Err(file.wrong(&name.span(), problem));
+    }
+    Ok(shows)
 }
 
 /// What a user should know of variables that are states only where no `[[state]]` is written.

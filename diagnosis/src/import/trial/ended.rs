@@ -1,5 +1,6 @@
 //! How a run of the model ends that is no whole one: by an error, or since it takes too long.
 
+use crate::import::policy::IMPORT;
 use orchestrator::Progress;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -15,6 +16,11 @@ pub(in super::super) struct Failed {
 impl Failed {
     pub fn other(why: impl ToString) -> Self {
         Self { why: why.to_string(), died: false }
+    }
+
+    /// It took longer than anybody waits.
+    pub fn too_slow() -> Self {
+        Self::other(format!("the model takes more than {} s", IMPORT.patience))
     }
 
     /// In a line.

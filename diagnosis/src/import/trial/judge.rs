@@ -25,7 +25,7 @@ pub(super) fn judge(
     notices: &mut Vec<String>,
 ) {
     let variable = &description.variables[matched.variable];
-    let said = format!("correlation with the model {:.2}, slope {:.3}", line.correlation, line.slope);
+    let said = format!("correlation with the model {:.2}, slope {}", line.correlation, in_short(line.slope));
     if line.correlation.abs() < IMPORT.tells && known {
         return;
     }
@@ -100,11 +100,18 @@ fn size(matched: &mut Match, line: Line, near: bool, said: &str, notices: &mut V
     matched.evidence.push(format!("the sign fits, the size does not: look at the unit: {said}"));
     if near {
         notices.push(format!(
-            "column {:?}: its numbers are {:.3} times what the model says (correlation {:.2}), which no usual unit of measurement explains: \
+            "column {:?}: its numbers are {} times what the model says (correlation {:.2}), which no usual unit of measurement explains: \
              look at its unit, at those of the inputs, and at what the model lacks",
-            matched.column, line.slope, line.correlation
+            matched.column,
+            in_short(line.slope),
+            line.correlation
         ));
     }
+}
+
+/// A number with three decimals, or with an exponent where it has too many digits before them.
+pub(super) fn in_short(value: f64) -> String {
+    if value.abs() < IMPORT.written { format!("{value:.3}") } else { format!("{value:.2e}") }
 }
 
 /// How far the means of model and log are apart once the sign is the model's.

@@ -117,6 +117,12 @@ fn value_a_header_that_the_slope_contradicts_is_told() {
     }
 }
 
+#[test]
+fn value_a_slope_is_told_with_few_digits() {
+    assert_eq!([0.907, -1.0, 1e5].map(judge::in_short), ["0.907", "-1.000", "100000.000"]);
+    assert_eq!(judge::in_short(-2.793e300), "-2.79e300");
+}
+
 fn told(correlation: f64, apart: f64) -> (String, Option<Affine>) {
     let mean = (10.0, 10.0 + apart);
     judged(Line { slope: 1.0, offset: apart, correlation, spread: 1.0, mean, begun: true })

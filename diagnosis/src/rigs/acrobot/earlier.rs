@@ -1,11 +1,21 @@
 //! What an earlier diagnosis said of our own rig's candidates.
 
 use crate::earlier::Earlier;
-use crate::rigs::acrobot::candidates::Candidate;
+use crate::error::Error;
+use crate::rigs::acrobot::candidates::{Candidate, LIST};
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Alternative, CLASS};
 
 impl Earlier {
+    /// Refuses one of another machine than our own rig.
+    ///
+    /// # Errors
+    /// Says of what it is.
+    pub fn fits_our_rig(&self) -> Result<(), Error> {
+        let is_ours = |name: &str| LIST.iter().any(|candidate| candidate.name == name);
+        self.fits("our own rig (format = 1)", is_ours)
+    }
+
     /// Weighs the alternatives of an effect (best first, by their losses) with what was known of it. Answers the class that was
     /// known, where it is one.
     pub fn weigh(&self, list: &[Candidate], alternatives: &mut [Alternative]) -> Option<Vec<String>> {
@@ -34,6 +44,15 @@ mod tests {
     }
 
     #[test]
+    fn bad_input_a_diagnosis_without_a_name_of_our_rig_is_refused() {
+        let found =
+            |name: &str| Earlier { effects: vec![[(name.to_owned(), 0.9)].into()], ..Earlier::default() };
+        let told = found("motor.b").fits_our_rig().expect_err("a motor's").to_string();
+        assert!(told.contains("found motor.b, of which our own rig"), "{told}");
+        assert!(found("camera.k1").fits_our_rig().is_ok() && found("plant.b_joint").fits_our_rig().is_ok());
+    }
+
+    #[test]
     fn every_class_is_what_fits_both() {
         let list = ["camera.pan", "camera.tilt", "camera.u0", "camera.v0"].map(candidate);
         let known =
@@ -43,6 +62,7 @@ mod tests {
                 known([("camera.u0", 0.4), ("camera.pan", 0.6)]),
                 known([("camera.v0", 0.5), ("camera.scale", 0.5)]),
             ],
+            ..Earlier::default()
         };
         let found = |losses: [f64; 4]| {
             let other = |(candidate, loss)| Alternative { candidate, x: 0.1, loss };

@@ -96,7 +96,7 @@ pub struct Reproduce {
 /// `acroscope diagnose`
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  acroscope diagnose examples/hidden-effect\n  acroscope diagnose my-data --without camera.k2 --out out/mine"
+    after_help = "Examples:\n  acroscope diagnose examples/hidden-effect\n  acroscope diagnose my-data --without camera.k2 --out out/mine\n\n--isolate and --fit are for data sets of any unit (format = 2)."
 )]
 pub struct Diagnose {
     /// Folder of the data set: dataset.toml with a folder for each run, or with format = 2 a log file for each run.
@@ -106,7 +106,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "UNIT.VARIABLE")]
     pub without: Vec<String>,
     /// Seconds after which searches end with what they have [default: 60 for each run].
-    #[arg(long, value_name = "SECONDS", value_parser = zero_or_more, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero, allow_negative_numbers = true)]
     pub budget: Option<f64>,
     /// Fit these parameters, in place of a search: values with intervals, and whether they explain the data (format = 2).
     #[arg(long, value_name = "UNIT.VARIABLE,...", value_delimiter = ',')]
@@ -226,11 +226,12 @@ pub struct Sweep {
 /// `acroscope view`
 #[derive(Debug, Args)]
 #[command(
+    override_usage = "acroscope view [OPTIONS] RESULT [RESULT]",
     after_help = "Examples:\n  acroscope view out/visual-servo\n  acroscope view out/visual-servo out/full-state -o both.html"
 )]
 pub struct View {
     /// Folder of a finished run; of two for a look at both side by side.
-    #[arg(required = true, num_args = 1..=2, value_name = "RESULT")]
+    #[arg(required = true, num_args = 1.., value_name = "RESULT")]
     pub results: Vec<PathBuf>,
     /// Write the page to this file; without it, it is served at an address of this machine until Ctrl-C.
     #[arg(short, long, value_name = "FILE.html")]

@@ -65,6 +65,8 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Run(error) => error.exit_status(),
+            Self::SweepInterrupted { signal, .. } => runner::signals::exit_status(*signal),
+            other if orchestrator::machine::failed(&other.to_string()) => 1,
             Self::Container(error) if !error.is_input() => 1,
             Self::Ssp(error) if !error.is_input() => 1,
             Self::Study(error) if !error.is_input() => 1,
@@ -75,7 +77,6 @@ impl Error {
             Self::Study(_) | Self::Diagnosis(_) | Self::Sweep(_) | Self::View(_) => 2,
             Self::Ssp(_) | Self::Container(_) => 2,
             Self::Inspection(_) | Self::There { .. } | Self::Frames(_) => 2,
-            Self::SweepInterrupted { signal, .. } => runner::signals::exit_status(*signal),
             Self::Serve(_) | Self::Faulty { .. } => 1,
         }
     }

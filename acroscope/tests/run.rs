@@ -109,7 +109,7 @@ fn law_a_balanced_run_says_so_and_where_it_comes_from() {
     let text = done(folder.path(), &["run", "visual-servo", "--stop", "1"]);
     assert!(text.starts_with("balanced to t = 1 s\n"), "{text}");
     assert!(
-        text.contains("lost frames 0") && text.contains("again: acroscope run visual-servo --stop 1"),
+        text.contains("unseen frames 0") && text.contains("again: acroscope run visual-servo --stop 1"),
         "{text}"
     );
     let summary = summary(folder.path().join("out/visual-servo+stop=1"));
@@ -150,7 +150,7 @@ fn value_lost_frames_are_counted() {
     let expected = last("camera.frame_index") + 1.0 - last("camera.frame");
     assert!(expected > 5.0, "18 of 90 on average: {expected}");
     let figures = summary(out)["verdict"]["figures"].as_array().cloned().expect("a list");
-    let counted = figures.iter().find(|figure| figure["label"] == "lost frames").expect("counted");
+    let counted = figures.iter().find(|figure| figure["label"] == "unseen frames").expect("counted");
     assert_eq!(counted["value"], expected);
 }
 

@@ -121,6 +121,10 @@ fn law_what_nobody_proposes_is_a_guess_that_says_so() {
     for line in ["start = 0.0 # guess", "interval = 0.01 # s, guess: its description proposes none"] {
         assert!(odd.contains(line), "{line} in {odd}");
     }
+    let endless = ("<Real start=\"1\" unit=\"m/s\"/>", "<Real start=\"INF\" unit=\"m/s\"/>");
+    let endless = draft(&[other(&units, "endless.fmu", &[endless])], &path).expect("drafts");
+    let line = "value = 0.0 # m/s, guess: its start value is inf, with which nothing can be run";
+    assert!(endless.contains(line), "{line} in {endless}");
     let long = other(&units, "long.fmu", &[("stopTime=\"2\"", "stopTime=\"7\"")]);
     let short = other(&units, "short.fmu", &[]);
     let text = draft(&[long, short], &path).expect("drafts");

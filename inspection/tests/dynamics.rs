@@ -164,3 +164,20 @@ fn every_unit_of_ours_is_clean_of_errors() {
         assert!(worse.is_empty(), "{name}: {worse:#?}");
     }
 }
+
+/// All that it lacks of FMI 2.0 follows from that.
+#[test]
+fn value_a_unit_of_another_version_is_told_as_such_and_before_all_else() {
+    let units = Units::new();
+    let other = common::DESCRIPTION.replace("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"");
+    let library = common::library();
+    let more = [("binaries/linux64/unit.so", &library[..]), ("more/of.it", &library[..])];
+    let path = units.pack_files("other.fmu", &other, &more);
+    let limits = Limits { call: Duration::from_secs(3), memory: 1 << 30 };
+    let looked = inspection::look(&path, &limits).expect("looked at");
+    let told: Vec<String> = looked.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(told.len(), 2, "and the folder at the root: {told:?}");
+    assert!(told[0].ends_with("fmiVersion=\"3.0\": only \"2.0\" is checked"), "{told:?}");
+    let functions = looked.left_out.iter().find(|left| left.rule == "binary-functions");
+    assert_eq!(functions.map(|left| left.why.as_str()), Some("it is no description of FMI 2.0"));
+}

@@ -234,9 +234,9 @@ impl Simulation {
     pub(crate) fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Error> {
         if let Some(what) = difference(&checkpoint.identity, &self.identity()?) {
             return Err(Error::Value {
-                name: "resume".into(),
-                value: format!("from t = {} s", checkpoint.time),
-                expected: format!("the run that the checkpoint belongs to; this one differs: {what}"),
+                name: "time of the checkpoint".into(),
+                value: format!("{} s", checkpoint.time),
+                expected: format!("it is of another run; this one differs: {what}"),
             });
         }
         let system = &mut self.wiring.system;
@@ -268,14 +268,23 @@ fn checksum(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().take(6).map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The first line in which two runs differ.
+/// Lines that are told of two runs that differ.
+const TOLD: usize = 3;
+
+/// The lines in which two runs differ, of this one and of the one that was saved.
 fn difference(saved: &str, now: &str) -> Option<String> {
     if saved == now {
         return None;
     }
-    let differ = saved.lines().zip(now.lines()).find(|(saved, now)| saved != now);
-    Some(match differ {
-        Some((saved, now)) => format!("`{now}` instead of `{saved}`"),
-        None => "it has more or fewer lines".into(),
-    })
+    let pairs = || saved.lines().zip(now.lines()).filter(|(saved, now)| saved != now);
+    // Behind a line that one of them lacks all others differ, too.
+    let told = if saved.lines().count() == now.lines().count() { TOLD } else { 1 };
+    let mut differ: Vec<String> =
+        pairs().take(told).map(|(saved, now)| format!("`{now}` instead of `{saved}`")).collect();
+    match pairs().count() {
+        0 => differ.push("it has more or fewer lines".into()),
+        all if all > told => differ.push("and more".into()),
+        _ => {}
+    }
+    Some(differ.join(", "))
 }

@@ -280,13 +280,9 @@ pub enum Error {
 
 impl Error {
     /// The user's input is wrong, rather than a unit or the machine: exit status 2 of the command line. A unit that
-    /// refuses a call before the first step refuses the values that it was given; one that logs that its disk is full can be
-    /// given another.
+    /// refuses a call before the first step refuses the values that it was given. A disk that is full or broken is the machine's.
     pub fn is_input(&self) -> bool {
-        if matches!(self, Self::Call { log, .. } if says_that_there_is_no_room(log)) {
-            return true;
-        }
-        matches!(
+        let theirs = matches!(
             self,
             Self::File { .. }
                 | Self::Scenario { .. }
@@ -300,12 +296,14 @@ impl Error {
                 | Self::Library { .. }
                 | Self::Tick { .. }
                 | Self::Checkpoint { .. }
-                // The disk is full, or the folder is not to be written: somebody can make room or choose another.
+                // The folder is not to be written: somebody can choose another.
                 | Self::Record { .. }
                 | Self::Loop { .. }
                 | Self::Coupling { .. }
                 | Self::Call { time: None, .. }
-        )
+                | Self::Instantiate { .. }
+        );
+        theirs && !crate::machine::failed(&self.to_string())
     }
 
     /// An error with `time` put in, where a call during a step failed.
@@ -334,13 +332,6 @@ const NO_ROOM: [i32; 3] = [libc::ENOSPC, libc::EDQUOT, libc::EROFS];
 /// Likewise: `ERROR_DISK_FULL`, `ERROR_HANDLE_DISK_FULL`, `ERROR_WRITE_PROTECT`.
 #[cfg(not(unix))]
 const NO_ROOM: [i32; 3] = [112, 39, 19];
-
-/// Whether a unit hands on the system's own words for such a disk, which a unit in C has of `strerror`.
-fn says_that_there_is_no_room(log: &[LogLine]) -> bool {
-    let words = NO_ROOM.map(|number| io::Error::from_raw_os_error(number).to_string());
-    let words = words.each_ref().map(|word| word.split(" (os error").next().unwrap_or_default());
-    log.iter().rev().take(SHOWN).any(|line| words.iter().any(|word| line.text.contains(word)))
-}
 
 fn at(time: Option<f64>) -> String {
     time.map_or_else(String::new, |time| format!(" at t = {time} s"))

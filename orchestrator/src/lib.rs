@@ -85,6 +85,7 @@ mod inside;
 mod isolation;
 mod line;
 mod link;
+pub mod machine;
 mod newton;
 mod noise;
 mod pacing;

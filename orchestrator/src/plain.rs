@@ -21,9 +21,17 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// All of an ordinary file, which is a text.
 ///
 /// # Errors
-/// As of [`open`]; if it is no UTF-8.
+/// As of [`open`]; if it is no UTF-8, with the line that isn't.
 pub fn read_text(path: &Path) -> io::Result<String> {
-    open(path).and_then(io::read_to_string)
+    String::from_utf8(read(path)?).map_err(|refused| {
+        let good = refused.utf8_error().valid_up_to();
+        let line = 1 + refused.as_bytes()[..good].iter().filter(|byte| **byte == b'\n').count();
+        let byte = refused.as_bytes()[good];
+        let text = format!(
+            "line {line}: the byte 0x{byte:02x} there is no UTF-8; expected a text file, saved as UTF-8"
+        );
+        io::Error::new(io::ErrorKind::InvalidData, text)
+    })
 }
 
 /// All of an ordinary file.
@@ -73,6 +81,9 @@ mod tests {
         assert_eq!(told(&at("pipe")), "it is a pipe, not a file; expected an ordinary file");
         std::fs::write(at("file"), "text").expect("writable");
         assert_eq!(read_text(&at("file")).expect("a file"), "text");
+        std::fs::write(at("latin-1"), b"one\ntw\xf6\n").expect("writable");
+        let told = read_text(&at("latin-1")).expect_err("no UTF-8").to_string();
+        assert_eq!(told, "line 2: the byte 0xf6 there is no UTF-8; expected a text file, saved as UTF-8");
         assert_eq!(open(&at("none")).map(drop).expect_err("none").kind(), std::io::ErrorKind::NotFound);
     }
 }

@@ -258,13 +258,13 @@ fn law_a_run_that_is_killed_again_and_again_gives_the_same_bytes() {
 }
 
 #[test]
-fn law_a_full_disk_leaves_whole_rows_and_is_the_users_to_mend() {
+fn law_a_full_disk_leaves_whole_rows_and_is_the_machines() {
     let units = Units::new();
     let scenario = Scenario::parse(SYSTEM, "test.toml").expect("a scenario");
     let mut simulation = Simulation::new(&scenario, &units.unit_path()).expect("builds");
     let mut recorder = CsvRecorder::create("/dev/full").expect("opens");
     let error = simulation.run(&mut recorder, &mut Quiet).expect_err("full");
-    assert!(error.is_input(), "exit status 2");
+    assert!(!error.is_input(), "exit status 1");
     assert!(
         error.to_string().starts_with("cannot write results to /dev/full: No space left on device"),
         "{error}"

@@ -74,7 +74,8 @@ fn every_mistake_in_a_scenario_is_named() {
         ),
         (with("[units.set]\nx_0 = 1"), "test.toml:12: unit b has no variable \"x_0\": did you mean x0?"),
         (with("[units.set]\nx0 = \"1\""), "test.toml:12: b.x0 = \"1\": it is of type Real"),
-        (with("[units.set]\nmode = 1.5"), "test.toml:12: b.mode = 1.5: it is of type Integer"),
+        (with("[units.set]\nmode = 1.5"), "b.mode = 1.5: it is of type Integer: a whole number from 0 to 2"),
+        (with("[units.set]\nb_in = \"maybe\""), "b.b_in = \"maybe\": it is of type Boolean: true or false"),
         (with("[units.set]\nmode = 3"), "test.toml:12: b.mode = 3: a number from 0 to 2"),
         (with("[units.set]\nfault_time = -1"), "test.toml:12: b.fault_time = -1: a number of 0 m or more"),
         (with("[units.set]\nx0 = nan"), "test.toml:12: b.x0 = nan: a finite number"),
@@ -230,7 +231,7 @@ fn every_override_is_checked() {
     );
     scenario.set("a.k", "a lot").expect("checked when built");
     let error = Simulation::new(&scenario, &units.unit_path()).err().expect("no number").to_string();
-    assert_eq!(error, "--set a.k=a lot: a.k = a lot: it is of type Real");
+    assert_eq!(error, "--set a.k=a lot: a.k = a lot: it is of type Real: a number of 1000000 or less");
     // A later one replaces an earlier one.
     scenario.set("a.k", "2.5").expect("a unit");
     scenario.set("a.b_in", "1").expect("a unit");
@@ -296,7 +297,7 @@ fn every_status_is_handled() {
 }
 
 #[test]
-fn law_a_full_disk_of_a_unit_is_the_users_to_mend() {
+fn law_a_full_disk_of_a_unit_is_the_machines() {
     let units = Units::new();
     let error = |fault: i32| {
         let set = format!("interval = 0.125\nset = {{ fault = {fault}, fault_time = 0.25 }}");
@@ -305,14 +306,16 @@ fn law_a_full_disk_of_a_unit_is_the_users_to_mend() {
     };
     let (full, other) = (error(32), error(3));
     assert!(full.to_string().contains("my file: "), "{full}");
-    assert!(full.is_input() && !other.is_input());
+    assert!(!full.is_input() && !other.is_input());
 }
 
 #[test]
 fn every_broken_unit_is_named() {
     let units = Units::new();
     let error = |path: &std::path::Path| {
-        Fmu::open(path).and_then(|fmu| fmu.instantiate("a").map(|_| ())).expect_err("broken").to_string()
+        let error = Fmu::open(path).and_then(|fmu| fmu.instantiate("a").map(|_| ())).expect_err("broken");
+        assert!(error.is_input(), "exit status 2: {error}");
+        error.to_string()
     };
     let folder = units.path();
     std::fs::write(folder.join("text.fmu"), "no archive").expect("writable");

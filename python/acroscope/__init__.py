@@ -14,7 +14,7 @@
     ac.sweep("delay-and-rate", out="map").table()
 
 Runs and simulations happen in this process, without its lock; commands of minutes in one of their own. Ctrl-C ends both.
-What is wrong with the input raises `InputError`, in the words of the command line.
+What is wrong with the input raises `InputError`, in the words of the command line, with its options as the arguments that they are here.
 """
 
 import sys

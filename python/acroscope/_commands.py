@@ -24,6 +24,28 @@ Place = str | PathLike[str]
 _HELP = re.compile(r"\n\n(?:Usage: |For more information)")
 
 
+# Options of the command line that Python's functions have as arguments; those of another name, and those that are on or off.
+_ARGUMENTS = (
+    "after budget encoder-noise encoder-rate fit fmu force grid isolate jobs out output rate scalar scenario seed set start step-limit stop "
+    "torque-noise until without"
+).split()
+_RENAMED = {"output": "out", "scalar": "scalars", "set": "values"}
+_FLAGS = ("force", "isolate")
+_OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
+
+
+def _in_python(said: str) -> str:
+    """What the command line says, with its options as the arguments that they are here."""
+
+    def argument(option: re.Match[str]) -> str:
+        name = option[1]
+        if name not in _ARGUMENTS:
+            return option[0]
+        return f"{name}=True" if name in _FLAGS else _RENAMED.get(name, name.replace("-", "_"))
+
+    return _OPTION.sub(argument, said)
+
+
 def _said(*arguments: object, answers: Sequence[int] = (0,)) -> tuple[str, str]:
     """What a command prints, and its notes. An exit status other than those raises, with the command's own words; so does one of those,
     other than 0, that comes without an answer."""
@@ -34,7 +56,8 @@ def _said(*arguments: object, answers: Sequence[int] = (0,)) -> tuple[str, str]:
         return done.stdout, done.stderr
     # A value was given in Python, and not by an option.
     said = _HELP.split(done.stderr.strip().removeprefix("error: ").removeprefix("--set "))[0]
-    raise (_acroscope.InputError if done.returncode == 2 else _acroscope.Error)(said or f"exit status {done.returncode}")
+    said = _in_python(said) or f"exit status {done.returncode}"
+    raise (_acroscope.InputError if done.returncode == 2 else _acroscope.Error)(said)
 
 
 def _command(*arguments: object, answers: Sequence[int] = (0,)) -> str:

@@ -37,7 +37,8 @@ def _needed(name: str) -> Any:
     try:
         return __import__(name)
     except ImportError as missing:
-        raise ImportError(f"this needs {name}: pip install 'acroscope[notebook]'") from missing
+        wanted = "matplotlib numpy" if name in ("matplotlib", "numpy") else name
+        raise ImportError(f"this needs {name}: pip install {wanted}") from missing
 
 
 def _word(value: Value) -> str:

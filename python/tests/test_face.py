@@ -143,13 +143,22 @@ def test_a_single_name_is_no_list_of_letters():
         ac.diagnose(hidden, fit="plant.b_joint")
 
 
+def test_a_package_that_is_missing_is_told_with_what_installs_it(monkeypatch):
+    """Ours is on no index: an extra of it would install nothing, or a stranger's."""
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(ImportError, match="^this needs matplotlib: pip install matplotlib numpy$"):
+        ac.run("full-state", stop=0.01).plot()
+
+
 def test_words_of_the_command_line_stay_there():
     for call in (lambda: ac.run("--help"), lambda: ac.sweep("-q"), lambda: ac.diagnose("--help"), lambda: ac.Simulation("-q")):
         with pytest.raises(ac.InputError) as told:
             call()
         assert "usage" not in str(told.value).lower() and "for more information" not in str(told.value).lower()
-    with pytest.raises(ac.InputError, match=r"'-1' for '--budget .*0 or more$"):
+    with pytest.raises(ac.InputError, match=r"'-1' for 'budget .*seconds above 0$"):
         ac.diagnose(ac.examples()["hidden-effect"], budget=-1)
+    with pytest.raises(ac.InputError, match=r"^grid: nothing of a run would be kept: until plant\.contact, or scalars NAME="):
+        ac.sweep("visual-servo", {"camera.seed": [1]})
     for call in (ac.run, ac.sweep):
         with pytest.raises(TypeError, match=r"values: a mapping such as .*, not \[1, 2\]"):
             call("full-state", values=[1, 2])

@@ -57,10 +57,12 @@ impl Error {
     /// 2 if the user can mend the input, 128 + its number after a signal, else 1.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Orchestrator(error) if !error.is_input() => 1,
-            Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
             Self::Interrupted { signal, .. } => crate::signals::exit_status(*signal),
-            // A folder that can't be written, a disk that is full: another one will do.
+            Self::Orchestrator(error) if !error.is_input() => 1,
+            // A disk that is full or broken is the machine's, whatever was being written.
+            other if orchestrator::machine::failed(&other.to_string()) => 1,
+            Self::Orchestrator(_) | Self::Scenario(_) | Self::Override { .. } | Self::Layout { .. } => 2,
+            // A folder that can't be written: another one will do.
             Self::File { .. } | Self::Words(_) => 2,
             Self::Report(_) | Self::Format(_) => 1,
         }

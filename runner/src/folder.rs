@@ -23,7 +23,16 @@ impl Folder {
         made.extend(missing.into_iter().rev().filter(|part| !part.as_os_str().is_empty()));
         drop(made);
         let folder = Self { path: path.to_owned() };
-        std::fs::create_dir_all(path).map_err(Error::file(path))?;
+        std::fs::create_dir_all(path).map_err(|why| match path.ancestors().find(|part| part.exists()) {
+            Some(file) if !file.is_dir() => Error::File {
+                path: path.to_owned(),
+                why: format!(
+                    "{} is a file; expected a folder, which is made where it is missing",
+                    file.display()
+                ),
+            },
+            _ => Error::File { path: path.to_owned(), why: format!("the folder can't be made: {why}") },
+        })?;
         Ok(folder)
     }
 
@@ -116,6 +125,9 @@ mod tests {
         drop(folder);
         assert!(at("d/e").exists(), "it was there before");
         std::fs::write(at("in the way"), "").expect("written");
-        assert!(Folder::make(&at("in the way/below")).is_err());
+        for path in ["in the way", "in the way/below"] {
+            let told = Folder::make(&at(path)).map(drop).expect_err("a file is there").to_string();
+            assert!(told.contains("in the way is a file; expected a folder"), "{told}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The results of a run, which takes its folder over when all units have begun: one that is refused leaves what an earlier
 //! run wrote there.
 
+use crate::complain;
 use crate::error::Error;
 use crate::folder::Folder;
 use crate::run_report::{Dated, clear_pictures, dated_pictures};
@@ -21,6 +22,8 @@ pub struct Results<'a> {
     /// Held as long as the folder is this run's.
     lock: Option<File>,
     failed: Option<Error>,
+    /// What is told when rows of a checkpoint are gone on with.
+    told: Option<String>,
 }
 
 /// The file of rows.
@@ -42,6 +45,7 @@ impl<'a> Results<'a> {
             csv: None,
             lock: None,
             failed: None,
+            told: None,
         })
     }
 
@@ -57,6 +61,11 @@ impl<'a> Results<'a> {
     ) -> Result<Self, Error> {
         let others: Vec<&str> = files.iter().copied().filter(|file| *file != ROWS).collect();
         Ok(Self { from: Some(from.position()), ..Self::new(folder, &others, resolved)? })
+    }
+
+    /// Has this told when the run goes on; before that the checkpoint may turn out to be another run's.
+    pub fn told(self, told: Option<String>) -> Self {
+        Self { told, ..self }
     }
 
     /// Whether the folder is theirs.
@@ -115,7 +124,11 @@ impl Recorder for Results<'_> {
     }
 
     fn go_on(&mut self) -> Result<(), orchestrator::Error> {
-        self.taken_over().map(drop)
+        self.taken_over()?;
+        if let Some(told) = &self.told {
+            complain!("{told}");
+        }
+        Ok(())
     }
 
     fn row(&mut self, time: f64, row: Row<'_>) -> Result<(), orchestrator::Error> {

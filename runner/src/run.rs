@@ -122,12 +122,14 @@ pub fn carry_out(
     let mut prepared = Prepared::new(arguments)?;
     let folder = Folder::make(&prepared.out)?;
     let from = checkpoint(arguments, &folder, quiet)?;
+    let goes_on = |from: &Checkpoint| format!("note: the run goes on from t = {} s", from.time());
     let frames =
         prepared.layout.picture.as_ref().map(|_| Folder::make(&prepared.out.join("frames"))).transpose()?;
     let checkpoints = arguments.checkpoint.map(|every| Checkpoints { file: folder.file(CHECKPOINT), every });
     let resolved = prepared.simulation.resolved();
     let mut results = match &from {
-        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?,
+        Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?
+            .told((!quiet).then(|| goes_on(checkpoint))),
         None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved)?,
     };
     let mut recorder = Twice(&mut results, also);
@@ -229,10 +231,8 @@ fn checkpoint(arguments: &Run, folder: &Folder, quiet: bool) -> Result<Option<Ch
         return Ok(None);
     }
     let from = Checkpoint::load(&file)?;
-    match &from {
-        _ if quiet => {}
-        Some(checkpoint) => complain!("note: the run goes on from t = {} s", checkpoint.time()),
-        None => complain!("note: there is no {}, so the run begins at its start", file.display()),
+    if from.is_none() && !quiet {
+        complain!("note: there is no {}, so the run begins at its start", file.display());
     }
     Ok(from)
 }

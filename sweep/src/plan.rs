@@ -223,6 +223,7 @@ fn scenario(study: &Study, limits: &Limits) -> Result<Scenario, Error> {
         scenario.set(name, &text).map_err(placed(place))?;
     }
     for (name, value) in &limits.set {
+        not_varied(study, name, value)?;
         scenario.set(name, value)?;
     }
     if let Some(stop) = &limits.stop {
@@ -243,6 +244,18 @@ fn scenario(study: &Study, limits: &Limits) -> Result<Scenario, Error> {
         return Err(Error::Limit { option });
     }
     Ok(scenario)
+}
+
+/// A value for all cases of a parameter that has one of its own in each would change nothing.
+fn not_varied(study: &Study, name: &str, value: &str) -> Result<(), Error> {
+    match study.parameters.iter().find(|varied| varied.name == name) {
+        None => Ok(()),
+        Some(varied) => Err(Error::Study {
+            place: format!("--set {name}={value}"),
+            what: format!("{} varies {name}, so that this value would be in no case", varied.place),
+            expected: "leave --set out, or let the study not vary it".into(),
+        }),
+    }
 }
 
 /// What is wrong with a value of `[set]` is told with the study's line.

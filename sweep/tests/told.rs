@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Bench, Notes, STATEFUL, column, description, library_with};
+use sweep::{Limits, Plan};
 
 /// 3 cases: an integrator of 2 from x0 on, with its rows.
 const KEPT: &str = "[grid]\n\"a.x0\" = [0, 1, 2]\n[scalars]\nend = { signal = \"a.y1\", reduce = \"last\" }\n\
@@ -61,4 +62,18 @@ fn bad_input_a_library_that_remembers_what_ran_before_is_refused() {
     let text = refused.to_string();
     assert!(refused.is_input() && text.contains("(static data)") && text.contains("add --isolate"), "{text}");
     assert!(bench.files("out", "cases").is_empty());
+}
+
+/// It would stand in `resolved.toml` as what all cases share, and be in none.
+#[test]
+fn bad_input_a_value_for_all_cases_of_what_varies_is_refused() {
+    let bench = Bench::new();
+    let limits = Limits { set: vec![("a.x0".into(), "0.3".into())], ..Limits::default() };
+    let study = bench.study(KEPT).expect("a study");
+    let refused = Plan::new(&study, &bench.units.unit_path(), &limits).map(drop).expect_err("it varies");
+    let text = refused.to_string();
+    assert!(refused.is_input() && text.starts_with("--set a.x0=0.3: "), "{text}");
+    assert!(text.contains("study.toml:4 varies a.x0") && text.contains("leave --set out"), "{text}");
+    let other = Limits { set: vec![("a.k".into(), "2".into())], ..Limits::default() };
+    assert!(Plan::new(&study, &bench.units.unit_path(), &other).is_ok(), "what does not vary may be set");
 }

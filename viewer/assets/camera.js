@@ -3,7 +3,7 @@
 "use strict";
 acro.circles = ["drum", "joint", "tip"];
 
-// The picture of a frame, decoded once; null where it was not kept.
+// The picture of a frame, decoded once; null where there is none.
 acro.kept = function (run, number, redraw) {
   if (!run.pictures) run.pictures = new Map(run.frames.map((frame) => [frame.number, frame.png]));
   const known = run.pictures.get(number);
@@ -49,7 +49,7 @@ acro.drawCamera = function (canvas, caption, run, row, redraw) {
   if (seen) found.forEach((at, index) => { if (at[0] != null) acro.cross(pen, place(at), "#f0a000", acro.circles[index]); });
   const apart = acro.circles.map((name, index) => (truth && seen && found[index][0] != null ? `${name} ${Math.hypot(found[index][0] - truth[index][0], found[index][1] - truth[index][1]).toFixed(2)}` : null));
   const words = seen ? `Orange: found; blue: an ideal lens. Apart: ${apart.filter(Boolean).join(", ")} px.` : "Not all three circles were found.";
-  caption.textContent = `Frame ${number}, ${image ? "the picture itself" : "drawn, the picture was not kept"}. ${words}`;
+  caption.textContent = `Frame ${number}, ${image ? "the picture itself" : "drawn, no picture of it was found"}. ${words}`;
 };
 
 acro.drawDiscs = function (pen, places, radius) {

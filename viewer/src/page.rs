@@ -227,6 +227,26 @@ mod tests {
     }
 
     #[test]
+    fn law_pictures_in_a_folder_of_their_own_are_found_and_else_told() {
+        let (_kept, folder) = result("time,plant.q1,plant.q2\n0,0.1,0.2\n1,0.2,0.3\n");
+        let elsewhere = tempfile::tempdir().expect("a temporary folder");
+        let given = elsewhere.path().display();
+        let camera = format!(
+            "[[units]]\nname = \"camera\"\nfmu = \"acrobot_camera.fmu\"\ninterval = \"1/2\"\n[units.set]\nframes_dir = {:?}\n\
+             [report.picture]\nunit = \"camera\"\ndirectory = \"frames_dir\"\n",
+            given.to_string()
+        );
+        std::fs::write(folder.join("resolved.toml"), format!("{SCENARIO}{camera}")).expect("written");
+        let shown = || page(std::slice::from_ref(&folder)).expect("a page");
+        let told = shown().notes;
+        assert!(told.len() == 1 && told[0].contains("no pictures: camera.frames_dir = "), "{told:?}");
+        std::fs::write(elsewhere.path().join("frame_000007.png"), "PNG").expect("written");
+        let found = shown();
+        assert!(found.html.contains("\"number\":7"), "the picture is on the page");
+        assert_eq!(found.notes, [format!("pictures are those of {given}, where camera.frames_dir put them")]);
+    }
+
+    #[test]
     fn law_what_is_no_result_is_told() {
         let empty = tempfile::tempdir().expect("a temporary folder");
         let told = page(&[empty.path().to_owned()]).expect_err("nothing there");

@@ -4,6 +4,7 @@ use crate::Error;
 use crate::frames::{self, Frame};
 use crate::rows::{self, Column, Rows};
 use orchestrator::Scenario;
+use orchestrator::scenario::Given;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -38,14 +39,15 @@ impl Results {
         let scenario = Scenario::load(folder.join("resolved.toml"))?;
         let path = folder.join("results.csv");
         let Rows { times, columns, note } = rows::read(&path)?;
-        let notes = note.into_iter().chain(strangers(&path, &scenario, &columns)).collect();
+        let mut notes: Vec<String> = note.into_iter().chain(strangers(&path, &scenario, &columns)).collect();
         let summary = summary(&folder.join("summary.json"))?;
         let said = |path: &str| summary.pointer(path).and_then(|value| value.as_str()).map(str::to_owned);
         let title = said("/title").unwrap_or_else(|| scenario.description.clone());
         let units = summary.get("units").and_then(|units| units.as_object()).into_iter().flatten();
         let units =
             units.filter_map(|(name, unit)| Some((name.clone(), unit.as_str()?.to_owned()))).collect();
-        let frames = frames::read(&folder.join("frames"))?;
+        let (frames, whence) = pictures(folder, &scenario)?;
+        notes.extend(whence);
         Ok(Self { title, verdict: said("/verdict/words"), scenario, times, columns, notes, units, frames })
     }
 
@@ -65,6 +67,43 @@ impl Results {
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.recorded(name).map(|column| column.values.as_slice())
     }
+}
+
+/// Pictures of the run's folder, or else of the one that its camera was given; and a word on these, which another run may have replaced.
+fn pictures(folder: &Path, scenario: &Scenario) -> Result<(Vec<Frame>, Option<String>), Error> {
+    let own = frames::read(&folder.join("frames"))?;
+    let Some((name, given)) = given_folder(scenario).filter(|_| own.is_empty()) else {
+        return Ok((own, None));
+    };
+    let found = frames::read(Path::new(&given))?;
+    let note = match (found.is_empty(), Path::new(&given).file_name() == Some("frames".as_ref())) {
+        (false, _) => Some(format!("pictures are those of {given}, where {name} put them")),
+        // the run's own folder, which has been moved, or in which no frame came
+        (true, true) => None,
+        (true, false) => Some(format!(
+            "there are no pictures: {name} = {given:?}, and no such folder is seen from here, or it holds none"
+        )),
+    };
+    Ok((found, note))
+}
+
+/// The parameter that says where the camera's pictures go, and its value, by `[report.picture]`.
+fn given_folder(scenario: &Scenario) -> Option<(String, String)> {
+    let picture = scenario.report.get("picture")?;
+    let said = |key: &str| picture.get(key).and_then(|value| value.as_str());
+    let (unit, parameter) = (said("unit")?, said("directory")?);
+    let (_, given) = scenario
+        .units
+        .iter()
+        .find(|entry| entry.name == unit)?
+        .set
+        .iter()
+        .find(|(name, _)| name == parameter)?;
+    let given = match &given.value {
+        Given::Toml(value) => value.as_str()?.to_owned(),
+        Given::Text(text) => text.clone(),
+    };
+    (!given.is_empty()).then(|| (format!("{unit}.{parameter}"), given))
 }
 
 fn summary(path: &Path) -> Result<serde_json::Value, Error> {

@@ -8,11 +8,10 @@ use std::time::Duration;
 /// Options of commands that call units many times over.
 #[derive(Debug, Args)]
 pub struct Called {
-    /// Run every unit in a process of its own: one that crashes or hangs ends the command with what it did; several times slower
-    /// (data sets: any unit, format = 2).
+    /// Run every unit in a process of its own: one that crashes or hangs ends the command with what it did; several times slower.
     #[arg(long)]
     pub isolate: bool,
-    /// Seconds that a call into a unit may take [default: 30].
+    /// Seconds that a call into a unit may take, with --isolate or without [default: 30].
     #[arg(long, value_name = "S", value_parser = above_zero)]
     pub step_limit: Option<f64>,
 }

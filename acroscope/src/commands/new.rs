@@ -2,6 +2,7 @@
 
 use crate::cli::New;
 use crate::error::Error;
+use report::head::shell_word;
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
@@ -40,9 +41,14 @@ pub fn new(arguments: &New, quiet: bool) -> Result<(), Error> {
         for (line, guess) in guesses {
             tell!("{}:{line}: {guess}", path.display());
         }
-        tell!("{}: {count}; run it with `acroscope run {}`", path.display(), path.display());
+        tell!("{}: {count}; run it with `{}`", path.display(), run_of(path));
     }
     Ok(())
+}
+
+/// The command that runs the scenario, as a shell takes it.
+fn run_of(path: &Path) -> String {
+    format!("acroscope run {}", shell_word(&path.to_string_lossy()))
 }
 
 /// Line and words of each guess. That of a table's head is about the keys below it.
@@ -63,7 +69,14 @@ fn guesses(text: &str) -> Vec<(usize, String)> {
 
 #[cfg(test)]
 mod tests {
-    use super::guesses;
+    use super::{guesses, run_of};
+    use std::path::Path;
+
+    #[test]
+    fn value_the_command_that_comes_next_can_be_pasted() {
+        assert_eq!(run_of(Path::new("out/mine.toml")), "acroscope run out/mine.toml");
+        assert_eq!(run_of(Path::new("out/my loop.toml")), "acroscope run 'out/my loop.toml'");
+    }
 
     #[test]
     fn value_each_guess_is_told_with_its_line_and_what_it_is_about() {

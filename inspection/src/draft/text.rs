@@ -112,6 +112,11 @@ fn one_line(text: &str) -> String {
     text.replace(char::is_control, " ")
 }
 
+/// The start value of an input, for a comment.
+fn start(input: &Variable) -> String {
+    input.start.as_ref().map_or_else(String::new, ToString::to_string)
+}
+
 /// The value of a source and where it comes from.
 fn constant(input: &Variable) -> (String, String) {
     let unit = input
@@ -119,8 +124,10 @@ fn constant(input: &Variable) -> (String, String) {
         .as_deref()
         .filter(|unit| *unit != "1")
         .map_or_else(String::new, |unit| format!("{unit}, "));
+    let infinite = format!("guess: its start value is {}, with which nothing can be run", start(input));
     let (value, comment) = match (&input.start, input.kind) {
         (Some(Value::Real(value)), _) if value.is_finite() => (format!("{value:?}"), "its start value"),
+        (Some(Value::Real(_)), _) => ("0.0".to_owned(), infinite.as_str()),
         (Some(Value::Integer(value)), _) => (value.to_string(), "its start value"),
         (Some(Value::Boolean(value)), _) => (value.to_string(), "its start value"),
         (Some(Value::String(value)), _) => (quoted(value), "its start value"),

@@ -28,6 +28,8 @@ struct OnFile {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Needs {
     Nothing,
+    /// That the description, if there is one, is of our version.
+    Ours,
     Text,
     Tree,
 }
@@ -53,6 +55,7 @@ impl File<'_> {
     fn lacks(&self, needs: Needs) -> Option<&'static str> {
         match (needs, self.tree) {
             (Needs::Nothing, _) => None,
+            (Needs::Ours, _) => self.root().filter(|root| !schema::is_ours(root)).map(|_| FOREIGN),
             (_, None) => Some("there is no description to read"),
             (Needs::Tree, Some(Err(_))) => Some("the description can't be read to its end"),
             _ => None,
@@ -60,14 +63,19 @@ impl File<'_> {
     }
 }
 
+/// The rule that tells a description of another version.
+const SCHEMA: &str = "schema";
+/// Why rules of FMI 2.0 are not looked at.
+const FOREIGN: &str = "it is no description of FMI 2.0";
+
 const ON_FILE: &[OnFile] = &[
     OnFile { id: "archive-layout", find: archive::layout, needs: Needs::Nothing },
     OnFile { id: "archive-paths", find: archive::paths, needs: Needs::Nothing },
     OnFile { id: "binaries", find: archive::binaries, needs: Needs::Nothing },
-    OnFile { id: "binary-functions", find: archive::functions, needs: Needs::Nothing },
+    OnFile { id: "binary-functions", find: archive::functions, needs: Needs::Ours },
     OnFile { id: "source-files", find: archive::sources, needs: Needs::Tree },
     OnFile { id: "well-formed", find: schema::well_formed, needs: Needs::Text },
-    OnFile { id: "schema", find: schema::schema, needs: Needs::Tree },
+    OnFile { id: SCHEMA, find: schema::schema, needs: Needs::Tree },
 ];
 
 const ON_MODEL: &[OnModel] = &[
@@ -119,7 +127,9 @@ pub(crate) fn findings(archive: &Archive) -> (Vec<Finding>, Vec<LeftOut>) {
     }
     // A description of another version or kind is told by `schema`; its variables have other rules.
     let Some(root) = file.root().filter(|root| schema::is_ours(root)) else {
-        let why = file.lacks(Needs::Tree).unwrap_or("it is no description of FMI 2.0");
+        // That it is another standard's comes first: all else may follow from it.
+        all.sort_by_key(|finding| file.root().is_some() && finding.rule != SCHEMA);
+        let why = file.lacks(Needs::Tree).unwrap_or(FOREIGN);
         left_out.extend(ON_MODEL.iter().map(|rule| LeftOut { rule: rule.id, why: why.into() }));
         return (all, left_out);
     };

@@ -32,10 +32,36 @@ pub(crate) fn item(variable: &fmu::Variable, name: &str) -> Option<Value> {
 
 /// What would have been of a variable's type.
 pub(crate) fn expected(variable: &fmu::Variable) -> String {
-    match variable.items.as_deref() {
-        Some(items) => one_of(items),
-        None => format!("it is of type {}", variable.kind),
+    match (variable.items.as_deref(), variable.kind) {
+        (Some(items), _) => one_of(items),
+        (None, Kind::Boolean) => "it is of type Boolean: true or false".into(),
+        (None, Kind::Integer) => {
+            let within =
+                (variable.min.or(Some(f64::from(i32::MIN))), variable.max.or(Some(f64::from(i32::MAX))));
+            format!("it is of type Integer: a whole number{}", range(within, ""))
+        }
+        (None, Kind::Real) => {
+            format!("it is of type Real: a number{}", range((variable.min, variable.max), &measure(variable)))
+        }
+        (None, Kind::String) => "it is of type String: a text".into(),
     }
+}
+
+/// The end of what is expected of a number, such as ` from 0 to 1 s`.
+fn range((min, max): (Option<f64>, Option<f64>), unit: &str) -> String {
+    match (min, max) {
+        (Some(min), Some(max)) => format!(" from {min} to {max}{unit}"),
+        (Some(min), None) => format!(" of {min}{unit} or more"),
+        (None, Some(max)) => format!(" of {max}{unit} or less"),
+        (None, None) if unit.is_empty() => String::new(),
+        (None, None) => format!(" in{unit}"),
+    }
+}
+
+/// The unit of measurement behind a number; none of a bare number.
+fn measure(variable: &fmu::Variable) -> String {
+    let measure = variable.unit.as_deref().filter(|unit| *unit != "1");
+    measure.map_or_else(String::new, |unit| format!(" {unit}"))
 }
 
 fn one_of(items: &[(String, i32)]) -> String {
@@ -58,15 +84,8 @@ pub(crate) fn start_value(variable: &fmu::Variable, value: &Value) -> Result<(),
     if number.is_finite() && inside {
         return Ok(());
     }
-    let measure = variable.unit.as_deref().filter(|unit| *unit != "1");
-    let unit = measure.map_or_else(String::new, |unit| format!(" {unit}"));
-    Err(match (variable.min, variable.max) {
-        (Some(min), Some(max)) => format!("a number from {min} to {max}{unit}"),
-        (Some(min), None) => format!("a number of {min}{unit} or more"),
-        (None, Some(max)) => format!("a number of {max}{unit} or less"),
-        (None, None) if unit.is_empty() => "a finite number".into(),
-        (None, None) => format!("a finite number in{unit}"),
-    })
+    let kind = if variable.min.or(variable.max).is_some() { "a number" } else { "a finite number" };
+    Err(format!("{kind}{}", range((variable.min, variable.max), &measure(variable))))
 }
 
 /// How the value of an output becomes that of an input.

@@ -150,6 +150,7 @@ impl Finished<'_> {
                     .to_owned(),
             );
         }
+        notes.extend(series.told.iter().cloned());
         let told = self.simulation.notices();
         let is_told = |name: &str| told.iter().any(|notice| notice.starts_with(&format!("{name} is ")));
         if let Some((name, time, text)) = series.not_finite.iter().find(|(name, ..)| !is_told(name)) {

@@ -24,6 +24,8 @@ pub struct Series {
     pub failed: Option<f64>,
     /// The verdict's figures, up to a failure.
     pub figures: Vec<Option<f64>>,
+    /// What is to be told of them.
+    pub told: Vec<String>,
     /// Columns with values that are no finite numbers: name, first such time, that value; in order of the columns.
     pub not_finite: Vec<(String, f64, String)>,
 }
@@ -167,7 +169,10 @@ impl<'a> Pass<'a> {
         let points = self.lines.into_iter().map(|(_, _, thinner)| thinner.finish());
         let name = |column: usize| head.get(column).unwrap_or_default().to_owned();
         let not_finite = self.not_finite.into_iter().map(|(column, (time, text))| (name(column), time, text));
+        let told = wanted.verdict.figures.iter().zip(&self.figures);
+        let told = told.filter_map(|(figure, (.., tally))| tally.between_rows(&figure.signal, &figure.label));
         Series {
+            told: told.collect(),
             lines: wanted.lines.iter().cloned().zip(points).collect(),
             at_index: self.at_index,
             rows: self.rows,

@@ -8,7 +8,7 @@
 //! held = "balanced"                # and for a run that did not fail
 //! figures = [                      # numbers, up to the failure
 //!     { label = "rms tracking error", signal = "controller.z_desired", minus = "plant.z", reduce = "rms" },
-//!     { label = "lost frames", signal = "camera.frame_index", valid = "camera.valid", reduce = "lost" },
+//!     { label = "unseen frames", signal = "camera.frame_index", valid = "camera.valid", reduce = "lost" },
 //! ]
 //! ```
 //!
@@ -104,6 +104,9 @@ pub struct Lost {
     /// The count before.
     before: Option<f64>,
     lost: f64,
+    /// By how much it counted on, in how many rows.
+    counted: f64,
+    rows: u64,
 }
 
 impl Tally {
@@ -134,8 +137,21 @@ impl Tally {
     pub fn finish(&self) -> Option<f64> {
         match self {
             Self::Reduced(tally) => tally.finish(),
-            Self::Lost(Lost { before, lost }) => before.map(|_| *lost),
+            Self::Lost(Lost { before, lost, .. }) => before.map(|_| *lost),
         }
+    }
+
+    /// Why some that count as lost were there all the same: what counts faster than there are rows has some between two of them.
+    pub fn between_rows(&self, signal: &str, label: &str) -> Option<String> {
+        let Self::Lost(Lost { counted, rows, .. }) = self else { return None };
+        let between = counted - *rows as f64;
+        // one may come by where the first and the last row lie
+        (between > 1.0).then(|| {
+            format!(
+                "{signal} counts {counted} on in {rows} rows: at least {between} of the {label} came between two rows, and were passed over, \
+                 not dropped; a shorter interval would see them"
+            )
+        })
     }
 }
 
@@ -144,6 +160,10 @@ impl Lost {
         // A counter below zero hasn't begun.
         if value >= 0.0 {
             let before = self.before.filter(|before| *before >= 0.0).unwrap_or(value - 1.0);
+            if self.before.is_some_and(|before| before >= 0.0) {
+                self.rows += 1;
+                self.counted += (value - before).max(0.0);
+            }
             if value > before {
                 self.lost += value - before - 1.0 + f64::from(u8::from(!valid));
             }
@@ -188,5 +208,21 @@ mod tests {
         assert_eq!(of(Reduce::Lost, &rows), Some(3.0));
         assert_eq!(of(Reduce::Lost, &[(7.0, true), (8.0, true)]), Some(0.0), "a run may begin at any count");
         assert_eq!(of(Reduce::Lost, &[(f64::NAN, true)]), None);
+    }
+
+    #[test]
+    fn value_what_comes_between_two_rows_is_told_as_not_dropped() {
+        let told = |counts: &[f64]| {
+            let mut tally = Tally::new(Reduce::Lost);
+            counts.iter().for_each(|count| tally.push(0.0, *count, true));
+            tally.between_rows("camera.frame_index", "unseen frames")
+        };
+        // 5 frames in 3 rows: of the 2 that were passed over none need have been dropped
+        let said = told(&[-1.0, 0.0, 2.0, 3.0, 5.0]).expect("it is faster");
+        let expected =
+            "camera.frame_index counts 5 on in 3 rows: at least 2 of the unseen frames came between two rows";
+        assert!(said.starts_with(expected), "{said}");
+        // one is missing of a camera that is slower than the rows
+        assert_eq!(told(&[0.0, 0.0, 1.0, 1.0, 3.0]), None);
     }
 }

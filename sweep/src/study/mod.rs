@@ -125,6 +125,13 @@ impl Study {
     /// # Errors
     /// If they describe none.
     pub fn of_words(words: &Words) -> Result<Self, Error> {
+        if is_study(&words.scenario) {
+            return Err(Error::Study {
+                place: "--grid".into(),
+                what: format!("{} is a study, which says itself what varies", words.scenario),
+                expected: "a scenario with --grid, or the study without it".into(),
+            });
+        }
         let (text, places) = words.text()?;
         let stem = PathBuf::from(&words.scenario);
         let stem = stem.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -132,9 +139,33 @@ impl Study {
     }
 }
 
+/// Whether it is a study where a scenario is wanted: one of the shipped ones, or a file that names its own scenario.
+fn is_study(name: &str) -> bool {
+    let path = Path::new(name);
+    if !path.is_file() {
+        return SHIPPED.iter().any(|(known, _)| *known == name);
+    }
+    let text = orchestrator::plain::read_text(path).unwrap_or_default();
+    text.parse::<toml::Table>()
+        .is_ok_and(|table| table.contains_key("scenario") && !table.contains_key("units"))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Study;
+    use super::{Study, Words};
+
+    #[test]
+    fn bad_input_a_grid_over_a_study_is_refused_as_one() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("s.toml");
+        std::fs::write(&path, "format = 1\nscenario = \"full-state\"\n").expect("writable");
+        for scenario in [path.to_string_lossy().into_owned(), "delay-and-rate".into()] {
+            let grid = vec!["plant.b_joint=0,1".into()];
+            let refused = Study::of_words(&Words { scenario, grid, ..Words::default() }).map(drop);
+            let text = refused.expect_err("a study").to_string();
+            assert!(text.contains("is a study") && text.contains("a scenario with --grid"), "{text}");
+        }
+    }
     use crate::Reduce;
 
     #[test]

@@ -1,9 +1,9 @@
 //! Readings that were late and held over: now and then a row repeats the one before, digit by digit, in a log whose noise leaves no two rows
 //! alike. Such a row says again what the one before said, at the wrong time.
 
-use super::Run;
+use super::{Run, quantum};
 use crate::error::Notice;
-use crate::nuisance::{least_gap, scatter};
+use crate::nuisance::scatter;
 use crate::rigs::acrobot::dataset::policy::LOGS;
 use crate::statistics::levels::HALF;
 use std::f64::consts::PI;
@@ -35,8 +35,8 @@ fn held_over(values: &[f64]) -> Option<Vec<usize>> {
     if rows.len() < LOGS.few || often > HALF || longest(values, &measured) > LOGS.few {
         return None;
     }
-    let real: Vec<f64> = measured.iter().map(|row| values[*row]).collect();
-    let (noise, quantum) = (scatter(&[&real]).quiet, least_gap(&real));
+    let fresh: Vec<f64> = measured.iter().filter(|row| !rows.contains(row)).map(|row| values[*row]).collect();
+    let (noise, quantum) = (scatter(&[&fresh]).quiet, quantum(&fresh));
     // two values of normal noise are within one quantum of each other as often as their difference's density says
     let by_chance = quantum / (2.0 * PI.sqrt() * noise);
     (often > LOGS.times * by_chance).then_some(rows)

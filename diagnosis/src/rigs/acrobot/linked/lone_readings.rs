@@ -68,7 +68,7 @@ fn unevenness(values: &[(f64, f64, f64)], place: usize) -> f64 {
     beside.map_or(0.0, |(before, after)| values[place].0 - HALF * (before + after))
 }
 
-/// By how much timestamps may scatter, s: as much as explains the fastest quarter of the rows.
+/// By how much timestamps may scatter, s: as much as explains the fastest third of the rows.
 fn lateness(values: &[(f64, f64, f64)]) -> f64 {
     let mut fastest: Vec<&(f64, f64, f64)> = values.iter().collect();
     fastest.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));

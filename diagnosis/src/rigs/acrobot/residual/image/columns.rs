@@ -55,7 +55,7 @@ impl ImageCut {
             let (up, down) = (self.studio.take(settings, &up)?, self.studio.take(settings, &down)?);
             Ok(slopes(&up, &down, 2.0 * IMAGES.turn))
         };
-        let sampled: Vec<Shot> = self.sampled(IMAGES.sampled).map(|place| shots[place]).collect();
+        let sampled: Vec<Shot> = self.sampled().map(|place| shots[place]).collect();
         let found = raw(&sampled)?;
         let samples: Vec<(State, Seen)> =
             sampled.iter().zip(&found).filter_map(|(shot, seen)| Some((shot.end, (*seen)?))).collect();
@@ -79,25 +79,19 @@ impl ImageCut {
         Some(std::array::from_fn(|s| -earlier * (one[s] * dq1 + two[s] * dq2)))
     }
 
-    /// Frames at which columns are taken, `most` or fewer: enough for a surface, which then holds for all.
-    fn sampled(&self, most: usize) -> impl Iterator<Item = usize> + use<> {
+    /// Frames at which columns are taken: enough for a surface, which then holds for all.
+    fn sampled(&self) -> impl Iterator<Item = usize> + use<> {
         let count = self.frames.len();
-        (0..count).step_by(count.div_ceil(most).max(1))
-    }
-
-    /// How many frames a candidate's column is taken at: a candidate that is off is only screened.
-    fn enough(&self, point: &[f64], candidate: usize) -> usize {
-        let off = point[candidate] == self.candidates[candidate].off;
-        self.frames.len().min(if off { IMAGES.screened } else { IMAGES.sampled })
+        (0..count).step_by(count.div_ceil(IMAGES.sampled).max(1))
     }
 
     /// Shots a little beside the sampled frames' poses.
-    fn beside(&self, most: usize, round: u64, side: f64) -> Vec<Shot> {
+    fn beside(&self, round: u64, side: f64) -> Vec<Shot> {
         let moved = |state: &State, by: &[f64; 2]| {
             [state[0] + side * by[0], state[1] + side * by[1], state[2], state[3]]
         };
         let mut random = Random::new(DITHER_SEED + round);
-        self.sampled(most)
+        self.sampled()
             .map(|place| {
                 let by = DITHER.map(|most| most * (2.0 * random.uniform() - 1.0));
                 self.frames[place].shot.moved(|state| moved(state, &by))
@@ -107,27 +101,26 @@ impl ImageCut {
 
     /// Change of the image per unit of a candidate.
     pub(super) fn column(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Column, Error> {
-        let most = self.enough(point, perturbation.candidate);
-        let key = (perturbation.candidate, perturbation.by.to_bits(), most);
+        let key = (perturbation.candidate, perturbation.by.to_bits());
         if let Some(kept) = self.kept.get(&key) {
             return Ok(kept.clone());
         }
         let (name, by) = (self.candidates[perturbation.candidate].name, perturbation.by);
-        let column = match self.laws.get(name, by, most) {
+        let column = match self.laws.get(name, by) {
             Some(law) => self.along(&law),
-            None => self.taken(point, perturbation, most)?,
+            None => self.taken(point, perturbation)?,
         };
         self.kept.insert(key, column.clone());
         Ok(column)
     }
 
-    /// A candidate's column, taken anew at `most` frames; what it is at all poses is kept.
-    fn taken(&mut self, point: &[f64], perturbation: Perturbation, most: usize) -> Result<Column, Error> {
+    /// A candidate's column, taken anew; what it is at all poses is kept.
+    fn taken(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Column, Error> {
         let (name, by) = (self.candidates[perturbation.candidate].name, perturbation.by);
         let blurs = Some(perturbation.candidate) == self.exposure;
         let longest = point[perturbation.candidate].max(point[perturbation.candidate] + by);
         if blurs && longest * self.way() < IMAGES.blurring {
-            let law = self.short_blur(point, perturbation, most)?;
+            let law = self.short_blur(point, perturbation)?;
             return Ok(self.along(&law));
         }
         let late =
@@ -138,11 +131,11 @@ impl ImageCut {
         let little = blurs && by.abs() * self.way() < IMAGES.blurring;
         let rounds = if little { IMAGES.more_rounds } else { IMAGES.rounds };
         for (round, side, phase) in sides(rounds) {
-            let shots = self.beside(most, round, side);
+            let shots = self.beside(round, side);
             let there = self.studio.take(&self.shifted(&moved, phase)?, &shots)?;
             let here = self.here(&still, phase, shots, None)?;
             let column = slopes(&there, &here.seen, by);
-            for (place, (shot, seen)) in self.sampled(most).zip(here.shots.iter().zip(&column)) {
+            for (place, (shot, seen)) in self.sampled().zip(here.shots.iter().zip(&column)) {
                 if let (Some(seen), Some(late)) = (seen, late(self, place)) {
                     samples.push((shot.end, std::array::from_fn(|s| seen[s] - late[s])));
                 }
@@ -156,28 +149,23 @@ impl ImageCut {
         if surface.is_none() && first.len() == self.frames.len() {
             return Ok(Arc::new(first));
         }
-        let law = self.laws.insert(name, by, most, Law::Smooth { surface, blurs });
+        let law = self.laws.insert(name, by, Law::Smooth { surface, blurs });
         Ok(self.along(&law))
     }
 
     /// Change of the image per unit of a short exposure. Beyond the earlier middle, which a delay does as well, it changes
     /// areas alone, and by how far a circle moves while the shutter is open: a polynomial of the square of that, the same for
     /// all circles. Frame by frame, or by a surface over all states, it would drown in the lattice's error.
-    fn short_blur(
-        &mut self,
-        point: &[f64],
-        perturbation: Perturbation,
-        most: usize,
-    ) -> Result<Arc<Law>, Error> {
+    fn short_blur(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Arc<Law>, Error> {
         let Perturbation { candidate, by } = perturbation;
         let (name, from) = (self.candidates[candidate].name, point[candidate]);
         let far = self.farthest(candidate, from, by);
-        let weights = match self.laws.get(name, far, most).as_deref() {
+        let weights = match self.laws.get(name, far).as_deref() {
             Some(Law::Blurred { weights, from: known, .. }) if *known == from => *weights,
-            _ => self.blurred(point, Perturbation { by: far, ..perturbation }, most)?,
+            _ => self.blurred(point, Perturbation { by: far, ..perturbation })?,
         };
-        self.laws.insert(name, far, most, Law::Blurred { weights, from, by: far });
-        Ok(self.laws.insert(name, by, most, Law::Blurred { weights, from, by }))
+        self.laws.insert(name, far, Law::Blurred { weights, from, by: far });
+        Ok(self.laws.insert(name, by, Law::Blurred { weights, from, by }))
     }
 
     /// The step over which the polynomial is taken: the farthest that is tried and still short, since a small one shows next to
@@ -193,22 +181,17 @@ impl ImageCut {
     }
 
     /// The polynomial's weights, by frames with an exposure that is longer by a step beside frames without.
-    fn blurred(
-        &mut self,
-        point: &[f64],
-        perturbation: Perturbation,
-        most: usize,
-    ) -> Result<Vector3<f64>, Error> {
+    fn blurred(&mut self, point: &[f64], perturbation: Perturbation) -> Result<Vector3<f64>, Error> {
         let (from, far) = (point[perturbation.candidate], perturbation.by);
         let moved = self.settings(point, Some(perturbation))?;
         let still = self.settings(point, None)?;
         let mut normal: Matrix3<f64> = Matrix3::zeros();
         let mut right = Vector3::zeros();
         for (round, side, phase) in sides(IMAGES.blur_rounds) {
-            let (shots, seed) = (self.beside(most, round, side), 2 * round as i32 + i32::from(side > 0.0));
+            let (shots, seed) = (self.beside(round, side), 2 * round as i32 + i32::from(side > 0.0));
             let there = self.studio.noisy(&self.shifted(&moved, phase)?, &shots, seed)?;
             let here = self.here(&still, phase, shots, Some(seed))?;
-            for (place, (here, there)) in self.sampled(most).zip(here.seen.iter().zip(&there)) {
+            for (place, (here, there)) in self.sampled().zip(here.seen.iter().zip(&there)) {
                 let (Some(here), Some(there), Some(ways)) = (here, there, self.ways(place)) else {
                     continue;
                 };

@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The laws that are known, by a candidate's name, the displacement's bits, and at how many frames it was taken.
+/// The laws that are known, by a candidate's name and the displacement's bits.
 #[derive(Clone, Default)]
-pub struct Laws(BTreeMap<(&'static str, u64, usize), Arc<Law>>);
+pub struct Laws(BTreeMap<(&'static str, u64), Arc<Law>>);
 
 /// A column at any pose.
 pub(super) enum Law {
@@ -33,15 +33,13 @@ impl Laws {
         self.0.extend(others.map(|(key, law)| (*key, law.clone())));
     }
 
-    /// The law that was taken at the most frames, if these are `frames` or more.
-    pub(super) fn get(&self, name: &'static str, by: f64, frames: usize) -> Option<Arc<Law>> {
-        let by = by.to_bits();
-        self.0.range((name, by, frames)..=(name, by, usize::MAX)).next_back().map(|(_, law)| law.clone())
+    pub(super) fn get(&self, name: &'static str, by: f64) -> Option<Arc<Law>> {
+        self.0.get(&(name, by.to_bits())).cloned()
     }
 
-    pub(super) fn insert(&mut self, name: &'static str, by: f64, frames: usize, law: Law) -> Arc<Law> {
+    pub(super) fn insert(&mut self, name: &'static str, by: f64, law: Law) -> Arc<Law> {
         let law = Arc::new(law);
-        self.0.insert((name, by.to_bits(), frames), law.clone());
+        self.0.insert((name, by.to_bits()), law.clone());
         law
     }
 }
@@ -64,23 +62,5 @@ impl ImageCut {
             }
         };
         Arc::new((0..self.frames.len()).map(at).collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_a_column_of_more_frames_serves_where_fewer_are_asked_for() {
-        let law = |from| Law::Blurred { weights: Vector3::zeros(), from, by: 1.0 };
-        let mut laws = Laws::default();
-        laws.insert("camera.E_t", 0.1, 320, law(1.0));
-        assert!(laws.get("camera.E_t", 0.1, 640).is_none() && laws.get("camera.E_t", 0.2, 320).is_none());
-        laws.insert("camera.E_t", 0.1, 640, law(2.0));
-        for frames in [320, 640] {
-            let found = laws.get("camera.E_t", 0.1, frames);
-            assert!(matches!(found.as_deref(), Some(Law::Blurred { from: 2.0, .. })), "{frames}");
-        }
     }
 }

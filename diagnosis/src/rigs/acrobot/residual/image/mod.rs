@@ -99,7 +99,7 @@ pub struct ImageCut {
     quantum: f64,
     /// Change of the image with q1 and q2, kept: it hardly depends on small effects.
     turns: Option<Vec<[Option<Seen>; 2]>>,
-    kept: BTreeMap<(usize, u64, usize), Column>,
+    kept: BTreeMap<(usize, u64), Column>,
     /// What the columns are over all poses.
     laws: Laws,
     /// Frames that were made lately, with what they were made from: a candidate of the plant leaves them as they are, and a search comes back

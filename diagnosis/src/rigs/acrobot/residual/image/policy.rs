@@ -17,11 +17,9 @@ pub struct Images {
     pub rounds: u64,
     /// Rounds for a small step of the exposure, whose blur is little beside the lattice's error.
     pub more_rounds: u64,
-    /// Most frames at which the column of an effect that is on is taken, and the change with the angles. With half of them a webcam's lens of
-    /// seven terms that nearly cancel is *unknown*.
+    /// Most frames at which a column is taken, and at which noise is made. With half of them for columns, be it of candidates alone that are
+    /// off, a webcam's lens of seven terms that nearly cancel is *unknown*.
     pub sampled: usize,
-    /// Most frames at which the column of a candidate that is off is taken.
-    pub screened: usize,
     /// Way of a circle of 10 px during the exposure, px, beyond which a blur is more than that. A shorter smear is nearly straight
     /// and keeps the blob's middle: where the circle speeds up by 500 px/s², a third of a 30 Hz interval leaves 0.002 px of it.
     pub blurring: f64,
@@ -89,7 +87,6 @@ pub const IMAGES: Images = Images {
     rounds: 2,
     more_rounds: ROWS as u64,
     sampled: POLICY.most,
-    screened: POLICY.most / 2,
     blurring: SEVERAL,
     usual: 1.0 - STEP,
     blur_step: SMALL,

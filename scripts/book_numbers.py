@@ -56,7 +56,7 @@ def hidden_effect(folder):
         "before": f"{gap['before']:.3f} {gap['unit']}",
         "after": f"{gap['after']:.4f}",
         "floor": f"{gap['floor']:.4f}",
-        "closed": f"{100 * gap['closed']:.0f} %",
+        "closed": f"{100 * min(gap['closed'], 1.0):.0f} %",  # as pages tell it
         "least": "{:.1g}".format(found["minimum_detectable"]["plant.b_joint"]),
     }
 

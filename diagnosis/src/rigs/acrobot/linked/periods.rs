@@ -145,8 +145,8 @@ mod tests {
     #[test]
     fn recovers_how_often_a_turn_and_how_high() {
         let samples = samples(2.0);
-        let (times, height) =
-            strongest(&[&samples], &turns(&[samples.clone()], 0.0)).expect("many waves were tried");
+        let (times, height) = strongest(&[&samples], &turns(std::slice::from_ref(&samples), 0.0))
+            .expect("many waves were tried");
         // 4000 values of noise 1 tell a height to √(2 / 4000) = 0.022
         assert_eq!(times, 120.0);
         let [cos, sin] = height[0];

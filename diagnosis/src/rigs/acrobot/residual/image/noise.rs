@@ -357,8 +357,8 @@ mod tests {
 
     #[test]
     fn law_a_value_is_rounded_as_the_log_is() {
-        assert_eq!(rounded(3.14159, 0.25), 3.25);
-        assert_eq!(rounded(3.14159, 0.0), 3.14159);
+        assert_eq!(rounded(3.1771, 0.25), 3.25);
+        assert_eq!(rounded(3.1771, 0.0), 3.1771);
     }
 
     #[test]

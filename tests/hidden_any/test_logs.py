@@ -93,7 +93,7 @@ def test_how_rows_were_read_is_told_by_runs_in_which_the_input_jumps(tmp_path):
     assert found["verdict"] == "none", [found["effects"], found["unknown"]]
 
 
-def test_a_command_that_no_unit_stands_is_told_by_its_name(tmp_path):
+def test_a_command_that_no_unit_stands_is_told_by_its_cell(tmp_path):
     folder = made("motor", "none", 51, tmp_path)
     path = folder / "run-01.csv"
     with path.open(newline="") as file:
@@ -102,7 +102,7 @@ def test_a_command_that_no_unit_stands_is_told_by_its_name(tmp_path):
     path.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
     command = [PROGRAM, "--quiet", "diagnose", folder, "--out", folder / "found"]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, env=environment())
-    assert done.returncode == 1 and "fed motor.u = " in done.stderr, done.stderr
+    assert done.returncode == 2 and 'run-01.csv:52: column "u_cmd": 1e300' in done.stderr, done.stderr
 
 
 def test_a_parameter_of_half_its_value_is_named_though_the_first_step_leaves_its_range(tmp_path):

@@ -181,15 +181,18 @@ pub struct Periodic {
     pub in_time: bool,
     /// How high waves are.
     pub height: Function,
-    words: &'static str,
+    /// Along what, for people.
+    of: &'static str,
+    /// What does so.
+    cause: &'static str,
 }
 
 impl Periodic {
     /// The law with so many waves a turn or a second and their heights, the best of `of`.
     pub fn law(&self, times: f64, height: Vec<[f64; 2]>, of: usize) -> Law {
         let (words, times) = match self.in_time {
-            true => (format!("{times:.1} times a second: {}", self.words), std::f64::consts::TAU * times),
-            false => (format!("{times:.0} times a turn of {}", self.words), times),
+            true => (format!("{times:.1} times a second: {}", self.cause), std::f64::consts::TAU * times),
+            false => (format!("{times:.0} times a turn of {}: {}", self.of, self.cause), times),
         };
         Law {
             depends_on: self.depends_on,
@@ -200,58 +203,43 @@ impl Periodic {
     }
 }
 
+/// Along q1, along q2, and along the angle between the links.
+const Q1: (&[&str], Function, &str) = (&["q1"], |at| at.state[0], "q1");
+const Q2: (&[&str], Function, &str) = (&["q2"], |at| at.state[1], "q2");
+const JOINT: (&[&str], Function, &str) = (&["q1", "q2"], Moment::bend, "the joint angle q2 - q1");
+
 const fn along_angle(
     on: On,
-    depends_on: &'static [&'static str],
-    along: Function,
-    words: &'static str,
+    (depends_on, along, of): (&'static [&'static str], Function, &'static str),
+    cause: &'static str,
 ) -> Periodic {
-    Periodic { on, depends_on, along, in_time: false, height: |_| 1.0, words }
+    Periodic { on, depends_on, along, in_time: false, height: |_| 1.0, of, cause }
+}
+
+/// What an angle reads, by an encoder that turns with another one, or with itself.
+const fn uneven(angle: usize, along: (&'static [&'static str], Function, &'static str)) -> Periodic {
+    along_angle(On::Reading(angle), along, "an encoder that is uneven within its lines, or has uneven codes")
 }
 
 /// Hum in what an angle reads.
 const fn hum(angle: usize) -> Periodic {
-    let words = "hum of the mains, as it looks in rows so far apart, or a mount that shakes";
-    let (on, along) = (On::Reading(angle), (|at| at.time) as Function);
-    Periodic { on, depends_on: &["time"], along, in_time: true, height: |_| 1.0, words }
+    let along: (&[&str], Function, &str) = (&["time"], |at| at.time, "time");
+    let cause = "hum of the mains, as it looks in rows so far apart, or a mount that shakes";
+    Periodic { in_time: true, ..along_angle(On::Reading(angle), along, cause) }
 }
 
 /// Motors, gears, wheels and encoders.
 pub static PERIODIC: [Periodic; 8] = [
-    along_angle(On::Torque(0), &["q1"], |at| at.state[0], "q1: a floor or a wheel that isn't even"),
-    along_angle(
-        On::Torque(1),
-        &["q1", "q2"],
-        Moment::bend,
-        "the joint angle q2 - q1: cogging, or the teeth of a gear",
-    ),
+    along_angle(On::Torque(0), Q1, "a floor or a wheel that isn't even"),
+    along_angle(On::Torque(1), JOINT, "cogging, or the teeth of a gear"),
     Periodic {
+        depends_on: &["q1", "q2", "tau"],
         height: |at| at.tau,
-        ..along_angle(
-            On::Torque(1),
-            &["q1", "q2", "tau"],
-            Moment::bend,
-            "the joint angle q2 - q1, in proportion to the commanded torque: a motor's torque ripple",
-        )
+        ..along_angle(On::Torque(1), JOINT, "in proportion to the commanded torque, a motor's torque ripple")
     },
-    along_angle(
-        On::Reading(0),
-        &["q1"],
-        |at| at.state[0],
-        "q1: an encoder that is uneven within its lines, or has uneven codes",
-    ),
-    along_angle(
-        On::Reading(1),
-        &["q1", "q2"],
-        Moment::bend,
-        "the joint angle q2 - q1: an encoder that is uneven within its lines, or has uneven codes",
-    ),
-    along_angle(
-        On::Reading(1),
-        &["q2"],
-        |at| at.state[1],
-        "q2: an encoder that is uneven within its lines, or has uneven codes",
-    ),
+    uneven(0, Q1),
+    uneven(1, JOINT),
+    uneven(1, Q2),
     hum(0),
     hum(1),
 ];

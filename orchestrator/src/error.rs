@@ -321,18 +321,6 @@ pub(crate) fn unpack(path: &std::path::Path, error: &std::io::Error) -> Error {
     Error::Unpack { path: path.into(), folder: std::env::temp_dir(), reason: error.to_string() }
 }
 
-/// Whether the disk is full, or not to be written.
-pub(crate) fn is_no_room(error: &std::io::Error) -> bool {
-    error.raw_os_error().is_some_and(|code| NO_ROOM.contains(&code))
-}
-
-/// What the system calls a disk that is full, and one that is not to be written.
-#[cfg(unix)]
-const NO_ROOM: [i32; 3] = [libc::ENOSPC, libc::EDQUOT, libc::EROFS];
-/// Likewise: `ERROR_DISK_FULL`, `ERROR_HANDLE_DISK_FULL`, `ERROR_WRITE_PROTECT`.
-#[cfg(not(unix))]
-const NO_ROOM: [i32; 3] = [112, 39, 19];
-
 fn at(time: Option<f64>) -> String {
     time.map_or_else(String::new, |time| format!(" at t = {time} s"))
 }

@@ -111,7 +111,7 @@ impl Package {
         let mut file = self.zip.by_index(index).map_err(|error| wrong(format!("{entry}: {error}")))?;
         // One byte more than allowed tells a file that is longer.
         let copied = std::io::copy(&mut file.by_ref().take(most.saturating_add(1)), to);
-        let copied = copied.map_err(|error| match crate::error::is_no_room(&error) {
+        let copied = copied.map_err(|error| match crate::machine::is_no_room(&error) {
             true => crate::error::unpack(&shown, &error),
             false => wrong(format!("{entry}: {error}")),
         })?;

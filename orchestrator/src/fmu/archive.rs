@@ -6,6 +6,7 @@ use crate::error::{self, Error};
 use crate::fmu::Description;
 use crate::fmu::limits::{self, Limits};
 use crate::fmu::workshop::{self, Bench};
+use crate::machine;
 use crate::plain;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -81,12 +82,12 @@ impl Archive {
                 // One byte more than allowed tells what is too much.
                 let mut file = entry.by_ref().take(left.saturating_add(1));
                 let written =
-                    write(&folder.path().join(&name), &mut file).map_err(|error| match error::is_no_room(
-                        &error,
-                    ) {
-                        true => error::unpack(path, &error),
-                        false => broken(format!("{}: {error}", name.display())),
-                    })?;
+                    write(&folder.path().join(&name), &mut file).map_err(
+                        |error| match machine::is_no_room(&error) {
+                            true => error::unpack(path, &error),
+                            false => broken(format!("{}: {error}", name.display())),
+                        },
+                    )?;
                 left = left.checked_sub(written).ok_or_else(|| {
                     let what = format!("what it unpacks to, as far as {},", name.display());
                     broken(limits::exceeded(&what, limits.unpacked, limits::UNPACKED))

@@ -3,8 +3,11 @@
 
 use crate::statistics::levels::{MIDDLE, anywhere_in};
 
+mod held_over;
 pub mod outliers;
 mod policy;
+
+pub use held_over::held_over;
 
 use policy::NUISANCE;
 

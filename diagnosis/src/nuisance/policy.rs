@@ -19,6 +19,12 @@ pub(super) struct Nuisance {
     pub rings: usize,
     /// More than this share of a channel is no accident but the way it behaves.
     pub seldom: f64,
+    /// Fewest rows that were held over, and most in turn where that isn't how a sensor works.
+    pub in_turn: usize,
+    /// Readings are held over if they repeat the row before so many times as often as others are alike.
+    pub times: f64,
+    /// A sensor that is slower than its log holds no value for so many times as long as it usually does.
+    pub steady: f64,
 }
 
 /// Those in force.
@@ -30,4 +36,7 @@ pub(super) const NUISANCE: Nuisance = Nuisance {
     longest: FEW,
     rings: 5,
     seldom: SLIGHT,
+    in_turn: FEW,
+    times: FAR,
+    steady: SEVERAL,
 };

@@ -112,11 +112,16 @@ fn spinner(quiet: bool) -> ProgressBar {
     spinner
 }
 
+/// A name is told without a word from this probability on: of twenty such, one is wrong.
+const SURE: f64 = 0.95;
+
 fn effect(effect: &Effect) {
     let [low, high] = effect.ci95;
-    let unit = if effect.unit.is_empty() { String::new() } else { format!(" {}", effect.unit) };
+    // the unit of what has none is 1
+    let unit =
+        if matches!(effect.unit.as_str(), "" | "1") { String::new() } else { format!(" {}", effect.unit) };
     tell!(
-        "  {} = {}{unit} ({} to {}): {}{}",
+        "  {} = {}{unit} ({} to {}): {}{}{}",
         effect.class.join(" or "),
         effect.written(effect.value),
         effect.written(low),
@@ -126,8 +131,18 @@ fn effect(effect: &Effect) {
             (true, _) => ", at the end of what can be tried: it may lie beyond",
             (_, true) => ", of which these data give no upper bound",
             _ => "",
-        }
+        },
+        worth(effect.probability),
     );
+}
+
+/// What is said of a name that is not sure.
+fn worth(probability: f64) -> String {
+    if probability < SURE {
+        format!("; in doubt, with a probability of {probability:.2}")
+    } else {
+        String::new()
+    }
 }
 
 fn unknown(unknown: &Unknown) {
@@ -205,9 +220,15 @@ fn summary(diagnosis: &Diagnosis, out: &Path) {
 
 #[cfg(test)]
 mod tests {
-    use super::{command, default_folder};
+    use super::{command, default_folder, worth};
     use crate::cli::Diagnose;
     use clap::{Args as _, Command, FromArgMatches as _};
+
+    #[test]
+    fn value_a_name_in_doubt_is_told_as_such() {
+        assert_eq!(worth(0.3), "; in doubt, with a probability of 0.30");
+        assert_eq!((worth(0.949).is_empty(), worth(0.95).is_empty()), (false, true));
+    }
 
     /// What is typed after `acroscope`, as it is understood.
     fn parsed(words: &str) -> Diagnose {

@@ -61,7 +61,7 @@ fn doubt(problem: &Problem, place: usize, run: &Run, motion: &Motion) -> Doubt {
              the sensor stood still, or nothing was connected to it",
             run.name,
             series.values.len(),
-            brief(motion.size)
+            brief(motion.size / conversion.scale.abs())
         ),
         add: format!(
             "Take this [[channel]] out of dataset.toml{or}; if the machine itself stood still, take the run out"

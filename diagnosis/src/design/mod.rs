@@ -119,13 +119,13 @@ pub fn next(problem: &Problem, question: &Question<'_>, units: &UnitPath) -> Opt
 
 /// The experiment in words, and what it is worth for the two that are hardest to tell apart.
 fn words(wave: &str, loss: f64, [one, other]: [&String; 2], worth: bool) -> String {
-    let told = if loss < SLIGHT * EXPERIMENTS.told { "0".to_owned() } else { brief(loss) };
     if !worth {
         return format!(
             "nothing that can be driven here tells {one} and {other} apart. Measure another variable, or strike out one of them. \
-             The best that was simulated was to {wave}; one name for the other would lose {told} of deviance there"
+             The best that was simulated was to {wave}: there, too, one name does as well as the other"
         );
     }
+    let told = if loss < SLIGHT * EXPERIMENTS.told { "0".to_owned() } else { brief(loss) };
     let then = match loss {
         _ if loss >= EXPERIMENTS.told => String::new(),
         _ if loss < SLIGHT * EXPERIMENTS.told => format!(

@@ -294,7 +294,14 @@ pub fn within_reach(problem: &Problem, units: &UnitPath) -> Result<(), Error> {
     if problem.ports.inputs.is_empty() && problem.ports.outputs.is_empty() {
         return Ok(());
     }
-    crate::opened::open(SIGNAL_EFFECTS, &problem.path, units).map(|_| ())
+    let needed = |error| match error {
+        Error::Nominal(why) => Error::Nominal(format!(
+            "{why}. It is no part of your model: effects at its ports are added by this unit of ours, which `cargo xtask pack` makes, and which \
+             ACROSCOPE_FMUS or a folder `fmus` beside the program may hold; [ports] inputs = [] and outputs = [] do without"
+        )),
+        other => other,
+    };
+    crate::opened::open(SIGNAL_EFFECTS, &problem.path, units).map(|_| ()).map_err(needed)
 }
 
 #[cfg(test)]

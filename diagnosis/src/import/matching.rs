@@ -38,6 +38,7 @@ pub(super) fn match_columns(
             affine: si,
             evidence,
             fed: description.variables[place].causality == Causality::Input,
+            along_lines: false,
         });
     }
     matches.sort_by_key(|known| (!known.fed, known.variable));
@@ -235,6 +236,7 @@ fn likeness(
     }
     let exact = if best >= 1.0 || by_unit == best { "the same" } else { "a similar" };
     let unit = match (fits, header.unit.as_deref(), own) {
+        (Some(true), Some(unit), Some(own)) if unit == own => format!(", and in {own} as the model"),
         (Some(true), Some(unit), Some(own)) => format!(", and {unit} converts to {own}"),
         _ => String::new(),
     };

@@ -211,6 +211,32 @@ def test_what_the_model_lacks_is_no_doubt(tmp_path, units, name, case):
     assert diagnosed(tmp_path / "set")[0] == 0
 
 
+@pytest.mark.parametrize(("log", "factor", "said"), [
+    ("w", -1.0, 'the sign of motor.w (column "w") turned beside motor.b ='),
+    ("u_cmd", -1.0, 'the sign of motor.u (column "u_cmd") turned beside motor.b ='),
+    pytest.param("i", 1e3, 'motor.i (column "i") times 0.001 beside motor.b =', marks=pytest.mark.long),
+])  # fmt: skip
+def test_a_sign_or_unit_beside_what_the_model_lacks(tmp_path, units, log, factor, said):
+    """In no reading the model follows these logs before the fit; in the right one nothing is left without a name."""
+    folder = tmp_path / "set"
+    sets.make(ALL["motor"], "b", 40, folder, tmp_path / "answers", units)
+    changed(folder, column(log, factor))
+    status, output = diagnosed(folder)
+    assert status == 0, output
+    found = json.loads((folder / "found" / "diagnosis.json").read_text())
+    told = [notice["message"] for notice in found["notices"]]
+    assert any(said in message and "scale = " in message for message in told), told
+    assert all(effect["probability"] < 0.5 for effect in found["effects"]), found["effects"]
+
+
+def test_a_gain_that_is_the_ratio_of_two_units(tmp_path, units):
+    folder = tmp_path / "set"
+    sets.make(ALL["motor"], "b", 40, folder, tmp_path / "answers", units)
+    written(folder, "motor.w", "scale = 1.0")
+    status, output = diagnosed(folder)
+    assert status == 0 and "motor.w:gain is 9.5" in output and "in rpm" in output, output
+
+
 @pytest.mark.parametrize("gain", [-0.5, 2.0, pytest.param(-0.8, marks=pytest.mark.long)])
 def test_a_gain_that_is_no_sign_is_no_doubt(taken, gain):
     """An input, or a sensor, of half or twice its size, even turned: no sign or unit explains it, so that the search must."""

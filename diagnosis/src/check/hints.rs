@@ -1,20 +1,21 @@
 //! What looks odd in a data set and is no proof: notices before anything is fitted, each with what would be right.
 
+use super::held_over;
+use super::lines::along_lines;
 use super::policy::DOUBTS;
-use super::readings::residual;
 use super::stuck::alternates;
 use crate::error::Notice;
 use crate::nuisance::scatter;
-use crate::observe::{Channel, Hold, Problem, Role, Run, Series};
+use crate::observe::{Channel, Problem, Role, Run};
 use crate::statistics::median::median;
 use crate::text::brief;
-use orchestrator::Kind;
 use orchestrator::fmu::Description;
 
-/// The problem with notices of what looks odd in it.
+/// The problem with notices of what looks odd in it, and without readings that were held over.
 pub(crate) fn hinted(problem: &Problem) -> Problem {
     let hints = [small_noise, rows_between_steps, other_clock, held_ramps];
     let mut hinted = problem.clone();
+    held_over::leave_out(&mut hinted);
     hinted.notices.extend(hints.iter().flat_map(|hint| hint(problem)));
     hinted
 }
@@ -109,51 +110,23 @@ fn is_whole(steps: f64) -> bool {
 
 /// Inputs that are read as held and run along lines: the model follows the logs far better so.
 fn held_ramps(problem: &Problem) -> Vec<Notice> {
-    let may_be_lines = |place: &usize| {
-        let channel = &problem.channels[*place];
-        let is_held = channel.role == Role::Fed(Hold::Zero);
-        is_held
-            && problem.model.variable(channel.variable).kind == Kind::Real
-            && runs_along_lines(problem.runs.iter().map(|run| &run.series[*place]))
-    };
-    let places: Vec<usize> = (0..problem.channels.len()).filter(may_be_lines).collect();
-    if places.is_empty() {
-        return Vec::new();
-    }
-    let own = residual(problem, &DOUBTS.long);
-    let told = |place: usize| {
-        let mut other = problem.clone();
-        other.channels[place].role = Role::Fed(Hold::Linear);
-        let lines = residual(&other, &DOUBTS.long);
+    let told = |(place, times): (usize, f64)| {
         let Channel { column, name, line, .. } = &problem.channels[place];
         let message = format!(
             "column {column:?} ({name}) runs smoothly and is read as held from row to row; along lines between its rows the model leaves {} times \
              less than that of the logs. If the input did not jump at each row, write hold = \"linear\" in its [[channel]]",
-            brief(own.excess / lines.excess.max(1.0))
+            brief(times)
         );
-        let better = lines.share.is_none_or(|share| share < DOUBTS.right) && own.is_worse(&lines);
-        better.then(|| notice(*line, message))
+        notice(*line, message)
     };
-    places.into_iter().filter_map(told).collect()
-}
-
-/// Whether an input moves from row to row, and by nearly as much as between the rows before: steps do neither, and noise not the second.
-fn runs_along_lines<'a>(runs: impl Iterator<Item = &'a Series>) -> bool {
-    let (mut moves, mut bends) = (Vec::new(), Vec::new());
-    for series in runs {
-        let steps: Vec<f64> = series.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        moves.extend(steps.iter().map(|step| step.abs()));
-        bends.extend(steps.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
-    }
-    let usual = |all: Vec<f64>| median(all).unwrap_or(0.0);
-    let (moves, bends) = (usual(moves), usual(bends));
-    moves > 0.0 && bends < DOUBTS.smooth * moves
+    along_lines(problem).into_iter().map(told).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dynamics::tests::{pendulum, simulated, swung};
+    use crate::observe::Hold;
     use crate::statistics::random::Random;
 
     #[test]
@@ -237,20 +210,5 @@ mod tests {
             "{message}"
         );
         assert_eq!(held_ramps(&simulated(problem)), [], "it was held");
-    }
-
-    #[test]
-    fn value_which_inputs_run_along_lines() {
-        let of = |value: &dyn Fn(usize) -> f64| {
-            let values: Vec<f64> = (0..200).map(value).collect();
-            let time = (0..200).map(|row| row as f64).collect();
-            runs_along_lines([Series { time, values }].iter())
-        };
-        assert!(of(&|row| (row as f64 * 0.05).sin()), "a sine");
-        assert!(of(&|row| (row % 40).min(40 - row % 40) as f64), "ramps");
-        assert!(!of(&|row| (row / 20 % 2) as f64), "steps");
-        assert!(!of(&|row| Random::new(row as u64).normal()), "noise");
-        // a sine of w per row bends by w of what it moves, so to speak
-        assert!(of(&|row| (row as f64 * 0.45).sin()) && !of(&|row| (row as f64 * 0.55).sin()));
     }
 }

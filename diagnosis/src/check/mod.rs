@@ -10,23 +10,33 @@
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
 //! - `by_inputs.rs`: and what it is fed has a say in that
 //! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help
-//! - `ways.rs`: how else they can be read: time, units of measurement, signs, exchanged columns
+//! - `ways.rs`: how else they can be read: units of measurement, signs, exchanged columns
+//! - `times.rs`: of these, units of time
 //! - `kinds.rs`: of these, rates per minute or hour, and columns of one kind alike
+//! - `lines.rs`: inputs that run along lines between rows and are read as held
+//! - `nearer.rs`: readings that are nearer and not near, for what follows a fit
+//! - `held_over.rs`: readings that a log repeats: what isn't measured is taken out, and told
 //! - `hints.rs`: what looks odd and is no proof: notices
 //! - `policy.rs`: the numbers that decide, with their reasons
 
 mod by_inputs;
+mod held_over;
 mod hints;
 mod kinds;
+mod lines;
+mod nearer;
 mod one_value;
 mod pairs_of_ways;
 mod policy;
 mod readings;
 mod stuck;
+mod times;
 mod ways;
 mod wrapped;
 
 pub(crate) use hints::hinted;
+pub(crate) use lines::{along_lines, lines, may_be_lines};
+pub(crate) use nearer::{Reading, nearer, unit_of_ratio};
 pub(crate) use policy::STRETCH;
 pub(crate) use readings::{Signs, signs, too_long_times};
 pub(crate) use stuck::stood_still;

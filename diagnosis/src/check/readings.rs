@@ -7,6 +7,7 @@ use super::Doubt;
 use super::by_inputs;
 use super::pairs_of_ways;
 use super::policy::DOUBTS;
+use super::times;
 use super::ways::{self, Way};
 use crate::dynamics::build::build;
 use crate::dynamics::stretch::{Glance, Left};
@@ -28,7 +29,7 @@ impl Residual {
     /// Nothing follows, or the model fails.
     const ALL: Self = Self { share: Some(f64::INFINITY), excess: f64::INFINITY };
 
-    fn of_stretches(left: &[Left]) -> Self {
+    pub(super) fn of_stretches(left: &[Left]) -> Self {
         let beyond = |sum: f64, one: &Left| (sum - one.count * one.variance).max(0.0);
         let tells = |one: &&Left| one.error.max(one.motion) > DOUBTS.tells * one.count * one.variance;
         let share =
@@ -137,7 +138,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
     let steps =
         |factor: f64| engine.as_ref().is_none_or(|engine| engine.steps_as_far(factor, DOUBTS.farthest.0));
     let ways: Vec<Way> =
-        ways::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
+        times::longer_times(problem, &steps).into_iter().chain(ways::others(problem)).collect();
     drop(engine);
     let Some((best, others)) = only(problem, &own, &ways) else { return pairs_of_ways::doubt(problem, &own) };
     Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, own))))
@@ -148,7 +149,7 @@ pub(super) fn otherwise(problem: &Problem) -> Option<Doubt> {
 /// Times that are a thousand times too long may cost a thousand times as much: the shorter ones come first, and need no look at the logs as
 /// they are read, since no model that moves within rows follows both.
 fn shorter_time(problem: &Problem) -> Option<Option<Doubt>> {
-    for way in &ways::shorter_times(problem) {
+    for way in &times::shorter_times(problem) {
         let read = way.read(problem);
         if !tried(&read, &DOUBTS.short)?.is_right(way) {
             continue;

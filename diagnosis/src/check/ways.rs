@@ -2,9 +2,10 @@
 
 use super::kinds;
 use super::policy::DOUBTS;
-use crate::observe::{Affine, Channel, Problem, Role, UNITS, measure};
+use crate::observe::{Affine, Channel, Problem, Role, measure};
 use crate::ports::PORTS;
 use crate::statistics::levels::ROUNDING;
+use crate::text::brief;
 use std::f64::consts::PI;
 
 /// What is otherwise.
@@ -16,6 +17,8 @@ pub(super) enum Change {
     Values(Vec<(usize, Affine)>),
     /// The numbers of two channels' columns, each converted as the channel says.
     Exchanged(usize, usize),
+    /// The rows of a channel stand so much earlier, s.
+    Earlier(usize, f64),
 }
 
 /// Another way to read a data set.
@@ -38,8 +41,19 @@ const USUAL: [&str; 24] = [
 ];
 /// Prefixes that loggers put before the model's unit.
 const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
-/// Factors of a variable whose description names no unit: prefixes, degrees, and what accelerations (g) and speeds (rpm) are logged in.
-const FACTORS: [f64; 8] = [1e3, 1e-3, 1e6, 1e-6, PI / 180.0, 180.0 / PI, 9.80665, PI / 30.0];
+/// Factors of a variable whose description names no unit: prefixes, and what logs have in place of what models count in.
+const FACTORS: [(f64, &str); 10] = [
+    (1e3, ""),
+    (1e-3, ""),
+    (1e6, ""),
+    (1e-6, ""),
+    (1e-2, " (% or cm)"),
+    (1e2, ""),
+    (PI / 180.0, " (deg in place of rad)"),
+    (180.0 / PI, " (rad in place of deg)"),
+    (9.80665, " (g in place of m/s2)"),
+    (PI / 30.0, " (rpm in place of rad/s)"),
+];
 
 impl Way {
     /// The data set read in this way.
@@ -53,6 +67,12 @@ impl Way {
             }
             Change::Values(by) => scaled(problem, by),
             Change::Exchanged(a, b) => exchanged(problem, *a, *b),
+            Change::Earlier(place, by) => {
+                let mut other = problem.clone();
+                let series = other.runs.iter_mut().map(|run| &mut run.series[*place]);
+                series.flat_map(|series| &mut series.time).for_each(|time| *time -= by);
+                other
+            }
         }
     }
 
@@ -63,6 +83,7 @@ impl Way {
             Change::Time(_) => Vec::new(),
             Change::Values(by) => by.iter().map(|(place, _)| name(*place)).collect(),
             Change::Exchanged(a, b) => vec![name(*a), name(*b)],
+            Change::Earlier(place, _) => vec![name(*place)],
         }
     }
 
@@ -70,7 +91,7 @@ impl Way {
     pub(super) fn is_extreme(&self) -> bool {
         match &self.change {
             _ if self.exact => false,
-            Change::Time(_) | Change::Exchanged(..) => true,
+            Change::Time(_) | Change::Exchanged(..) | Change::Earlier(..) => true,
             Change::Values(by) => {
                 by.iter().any(|(_, affine)| !(PORTS.gain.0..=PORTS.gain.1).contains(&affine.scale.abs()))
             }
@@ -96,7 +117,7 @@ impl Way {
                     })
                     .collect(),
             )),
-            Change::Exchanged(..) => None,
+            Change::Exchanged(..) | Change::Earlier(..) => None,
         });
         let read = |change| Way { change, ..self.clone() }.read(problem);
         all.into_iter().flatten().map(read).collect()
@@ -130,46 +151,6 @@ fn exchanged(problem: &Problem, a: usize, b: usize) -> Problem {
         again(&mut run.series[b].values, one, two);
     }
     other
-}
-
-/// Units of time that are shorter than the one that is said; those that no machine is logged in are left out.
-pub(super) fn shorter_times(problem: &Problem) -> Vec<Way> {
-    let row = problem.row();
-    times(problem, |factor| factor < 1.0 - ROUNDING && !is_too_near(factor * row))
-}
-
-/// Those that are longer. A unit that doesn't say how long its steps are is asked whether it can step so far.
-pub(super) fn longer_times(problem: &Problem, steps: &dyn Fn(f64) -> bool) -> Vec<Way> {
-    let row = problem.row();
-    let step = problem.model.fmus.iter().filter_map(|fmu| fmu.description().default_experiment.step_size);
-    let step = step.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let can = |factor: f64| !is_too_far(factor * row, step) && (step.is_finite() || steps(factor));
-    times(problem, |factor| factor > 1.0 + ROUNDING && can(factor))
-}
-
-fn times(problem: &Problem, fits: impl Fn(f64) -> bool) -> Vec<Way> {
-    let Some(run) = problem.runs.first() else { return Vec::new() };
-    let way = |(unit, seconds): &(&str, f64)| {
-        let factor = seconds / run.seconds;
-        fits(factor).then(|| Way {
-            change: Change::Time(factor),
-            line: run.line,
-            what: format!("times in {unit}"),
-            add: format!("Add to each [[run]]: time = {{ unit = \"{unit}\" }}"),
-            exact: false,
-        })
-    };
-    UNITS.iter().filter_map(way).collect()
-}
-
-/// Whether no logger writes rows so near to each other, s.
-fn is_too_near(row: f64) -> bool {
-    row < DOUBTS.nearest
-}
-
-/// Whether no machine is logged in rows so far apart, s, whose units have this step: `INFINITY` where none is said.
-fn is_too_far(row: f64, step: f64) -> bool {
-    row > if step.is_finite() { DOUBTS.farthest.0 * step } else { DOUBTS.farthest.1 }
 }
 
 /// All but those of time, in the order in which they are told where several fit.
@@ -315,12 +296,12 @@ fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
 pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
     let channel = &problem.channels[place];
     let variable = problem.model.variable(channel.variable);
-    let way = |factor: &f64| {
+    let way = |(factor, why): &(f64, &str)| {
         let by = times_log(channel, *factor);
         Way {
             change: Change::Values(vec![(place, by)]),
             line: channel.line,
-            what: format!("{} times {factor}", named(channel)),
+            what: format!("{} times {}{why}", named(channel), brief(*factor)),
             add: written(channel, &numbers(then(channel.conversion, by))),
             exact: false,
         }
@@ -340,9 +321,9 @@ pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
             found.push((place, by, name));
         }
     }
-    let is_known = |factor: &&f64| {
-        let same = |by: &Affine| by.offset == times_log(channel, **factor).offset;
-        found.iter().any(|(_, by, _)| (by.scale / **factor - 1.0).abs() < ROUNDING && same(by))
+    let is_known = |(factor, _): &&(f64, &str)| {
+        let same = |by: &Affine| by.offset == times_log(channel, *factor).offset;
+        found.iter().any(|(_, by, _)| (by.scale / factor - 1.0).abs() < ROUNDING && same(by))
     };
     let bare = FACTORS[..2].iter().filter(|factor| !is_known(factor)).map(way);
     let in_units = found.iter().map(|one| in_unit(problem, std::slice::from_ref(one)));
@@ -374,16 +355,6 @@ fn columns(problem: &Problem, a: usize, b: usize) -> Way {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn value_rows_that_no_logger_and_no_machine_has() {
-        // a megahertz: the fastest that machines' loggers are clocked with
-        assert!(is_too_near(0.9e-6) && !is_too_near(1.1e-6));
-        // a unit in steps of 10 ms is logged once in 3 s at most: what moves within steps would not be seen
-        assert!(!is_too_far(2.7, 0.01) && is_too_far(3.3, 0.01));
-        // a house, of which nothing says how it is stepped, every hour
-        assert!(!is_too_far(3300.0, f64::INFINITY) && is_too_far(3900.0, f64::INFINITY));
-    }
 
     #[test]
     fn value_all_pairs_of_eight_columns_are_tried_and_no_more() {

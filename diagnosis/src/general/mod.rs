@@ -18,6 +18,7 @@
 //! - `findings.rs`: effects, classes, what the data would show
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
+//! - `misread.rs`: logs that count otherwise than is said, of a machine that lacks something as well
 //! - `blame.rs`: what most likely made a diagnosis fail
 //! - `policy.rs`: the numbers that decide, with their reasons
 
@@ -30,6 +31,7 @@ mod findings;
 mod fit_given;
 mod long;
 mod mismatch;
+mod misread;
 mod noisy_inputs;
 mod policy;
 mod reading;

@@ -5,7 +5,7 @@ use super::mismatch::{HeldOut, Squares};
 use super::residual::{self, Residual};
 use super::rest::name_the_rest;
 use super::rows_left_out::parted;
-use super::{amended, blame, findings, long, mismatch, reading, rows_or_whole_runs, runs, sensor};
+use super::{amended, blame, findings, long, mismatch, misread, reading, rows_or_whole_runs, runs, sensor};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Effect, NextExperiment, Unknown, Verdict};
 use crate::dynamics::build::{Built, Span, build};
@@ -83,15 +83,19 @@ fn diagnosed_in_time(
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = unnamed(problem, &all)
         .or_else(|| held.squares.unlike().filter(|_| is_judged(&trained, &all) && options.fit.is_empty()));
+    let (misread, is_misread) =
+        misread::misread(problem, (&trained, &all), unknown.is_some(), options, watch);
     let unknown = runs::shaped(problem, &all, options, unknown, watch);
-    let in_doubt = unknown.is_some() || is_judged(&trained, &all) && held.squares.close_little();
+    let in_doubt =
+        is_misread || unknown.is_some() || is_judged(&trained, &all) && held.squares.close_little();
     let effects = findings::effects(problem, &all, in_doubt);
     let verdict = verdict(unknown.is_some(), &effects);
     let (next_experiment, experiment) = next_experiment(problem, &all, units, watch);
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
     let gaps = claimed(held.gaps, &all, options);
-    let notices = all_notices(problem, &all, held.notice);
+    let mut notices = all_notices(problem, &all, held.notice);
+    notices.extend(misread);
     let mut story = findings::story(&all);
     story.extend(all.story.clone());
     story.extend(amended.told);
@@ -120,7 +124,7 @@ fn diagnosed_in_time(
 }
 
 /// What a search left without a name: in the machine, or in what a sensor shows.
-fn unnamed(problem: &Problem, studied: &Studied) -> Option<Unknown> {
+pub(super) fn unnamed(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     residual::unknown(problem, studied).or_else(|| sensor::unknown(problem, studied))
 }
 

@@ -70,6 +70,8 @@ struct Match {
     evidence: Vec<String>,
     /// An input.
     fed: bool,
+    /// An input that runs along lines between rows.
+    along_lines: bool,
 }
 
 /// When the rows of logs without a column of time were written: from a time on, in s, at a rate, in Hz.
@@ -163,7 +165,7 @@ pub fn import(asked: &Import<'_>, out: &Path) -> Result<Imported, Error> {
         tried: Some(&tried),
         ..write::Found::new(&sheets, &known, &told, &matches, &candidates)
     };
-    let (guesses, noted) = settle::settle(asked, out, &unit, &found)?;
+    let (guesses, noted) = settle::settle(asked, out, &unit, &found, too_long.is_none().then_some(&pace))?;
     notices.extend(noted);
     Ok(Imported { guesses, notices })
 }

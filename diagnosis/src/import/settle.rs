@@ -1,14 +1,17 @@
 //! The data set for good. It is written beside and read there as a diagnosis reads it; only then it stands where it belongs. So an import
 //! that fails leaves nothing, and its error names a log of the user's and not a file of ours.
 
-use super::Import;
 use super::sheet::Sheet;
+use super::slow::Pace;
 use super::write::{self, Found};
+use super::{Import, Match, instance};
+use crate::check::{along_lines, may_be_lines};
 use crate::error::Error;
-use crate::observe;
+use crate::observe::{self, Problem};
 use orchestrator::Fmu;
 use orchestrator::fmu::Bench;
 use std::path::Path;
+use std::time::Instant;
 
 /// Writes the data set and gives a line for each guess, and what a diagnosis will note of it.
 pub(super) fn settle(
@@ -16,12 +19,16 @@ pub(super) fn settle(
     out: &Path,
     unit: &Fmu,
     found: &Found<'_>,
+    pace: Option<&Pace>,
 ) -> Result<(Vec<String>, Vec<String>), Error> {
     let draft = Bench::new().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
     write::folder(draft.path(), asked.fmu, unit, found)?;
     let isolation = asked.isolated.then_some(asked.limits);
     let problem = observe::load(draft.path(), asked.units, isolation)
         .map_err(|error| of_logs(error, draft.path(), found.sheets))?;
+    let matches =
+        pace.map_or_else(|| found.matches.to_vec(), |pace| held(&problem, unit, found.matches, pace));
+    let found = &Found { matches: &matches, ..*found };
     let is_new = !out.exists();
     let guesses = write::folder(out, asked.fmu, unit, found).inspect_err(|_| {
         if is_new {
@@ -30,6 +37,30 @@ pub(super) fn settle(
         }
     })?;
     Ok((guesses, problem.notices.iter().map(ToString::to_string).collect()))
+}
+
+/// The matches with how inputs run between rows, where the logs and the model tell. What is guessed wrong, and what they don't tell, a diagnosis
+/// finds beside what the model lacks.
+fn held(problem: &Problem, unit: &Fmu, matches: &[Match], pace: &Pace) -> Vec<Match> {
+    let problem = Problem { deadline: Some(Instant::now() + pace.patience()), ..problem.as_it_is() };
+    let lines: Vec<String> =
+        along_lines(&problem).into_iter().map(|(place, _)| problem.channels[place].name.clone()).collect();
+    let smooth = may_be_lines(&problem);
+    let mut matches = matches.to_vec();
+    for matched in &mut matches {
+        let name = format!("{}.{}", instance(unit), unit.description().variables[matched.variable].name);
+        if lines.contains(&name) {
+            matched.along_lines = true;
+            matched.evidence.push(
+                "along lines between rows: it runs smoothly, and held from row to row the model follows the logs worse".into(),
+            );
+        } else if smooth.contains(&name) {
+            matched.evidence.push(
+                "held from row to row; it runs smoothly: write hold = \"linear\" if it did not jump at each row".into(),
+            );
+        }
+    }
+    matches
 }
 
 /// An error of a data set in a temporary folder, as one of the logs that it was made of.

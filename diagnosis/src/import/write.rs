@@ -134,6 +134,9 @@ fn channel(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matched: &Ma
         }
         (None, None) => {}
     }
+    if matched.along_lines {
+        let _ = writeln!(text, "hold = \"linear\"");
+    }
 }
 
 /// States that can be started; where each is a variable of initial "exact", that is the default and nothing is written.

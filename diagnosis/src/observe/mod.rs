@@ -121,6 +121,8 @@ pub struct Channel {
     pub conversion: Affine,
     /// Line in `dataset.toml`; 0 where the file doesn't say.
     pub line: usize,
+    /// Whether `hold` is said; where it isn't, an input is held.
+    pub hold_is_said: bool,
 }
 
 /// What is done with a measured variable.

@@ -118,7 +118,8 @@ fn channel(model: &Nominal, file: &File, entry: &Spanned<raw::Channel>) -> Resul
     };
     let column =
         raw.column.as_ref().map_or_else(|| described.name.clone(), |column| column.get_ref().clone());
-    Ok(Channel { name, variable: id, role, noise, column, conversion, line: file.line(&entry.span()) })
+    let (hold_is_said, line) = (raw.hold.is_some(), file.line(&entry.span()));
+    Ok(Channel { name, variable: id, role, noise, column, conversion, line, hold_is_said })
 }
 
 fn hold(raw: &raw::Channel, variable: &Variable, file: &File) -> Result<Hold, Error> {

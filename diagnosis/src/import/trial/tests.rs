@@ -46,6 +46,7 @@ fn judged_in(line: Line, header: Option<&str>, affine: Option<Affine>) -> (Match
         affine,
         evidence: Vec::new(),
         fed: false,
+        along_lines: false,
     };
     let mut notices = Vec::new();
     judge(&mut matched, line, &description, &[], affine.is_some(), &mut notices);

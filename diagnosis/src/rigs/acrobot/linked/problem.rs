@@ -121,6 +121,7 @@ fn channels(
             column: name.to_owned(),
             conversion: Affine::SAME,
             line: 0,
+            hold_is_said: true,
         })
     };
     let compared = motion.iter().map(|place| {

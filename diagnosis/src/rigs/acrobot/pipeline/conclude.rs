@@ -9,7 +9,7 @@ use super::log_clocks::{doubts_by_clock, late_log_instead};
 use super::noise_and_losses::{add_lost_frames, add_sensor_noise};
 use super::policy::PIPELINE;
 use super::torque_scale::tell_torque_scale;
-use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict, Where};
+use crate::diagnosis::{Correction, Diagnosis, Effect, Gap, NextExperiment, Trace, Unknown, Verdict};
 use crate::error::{Error, Notice};
 use crate::overlay::Overlaid;
 use crate::provenance::Provenance;
@@ -19,6 +19,7 @@ use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::gap::Measure;
 use crate::rigs::acrobot::linked::{Left, left_of, poses_as_log};
 use crate::rigs::acrobot::overlay;
+use crate::rigs::acrobot::residual_places::{Place, places, shares};
 use crate::rigs::acrobot::selection::Study;
 use crate::rigs::acrobot::{amend, experiment, gap, residual_places, story};
 use crate::watch::Watch;
@@ -75,7 +76,7 @@ struct Conclusion {
     alternates: Vec<Alternates>,
     /// Smallest size of each candidate that would have been found.
     smallest: BTreeMap<String, f64>,
-    places: Vec<(f64, Where)>,
+    places: Vec<Place>,
     gaps: Vec<Gap>,
     unknown: Option<Unknown>,
     correction: Option<Correction>,
@@ -95,8 +96,7 @@ impl Conclusion {
         let free = part.study.continuous(list);
         let (mut gap, measure) = gap::widest(&part.study, &free, &logs.runs, part.torque, &part.signals);
         self.measures.push(measure);
-        let (own, torque) =
-            (residual_places::places(&part.study, &part.signals), measure == Measure::Torques);
+        let torque = measure == Measure::Torques;
         let left = left(logs.rig, part, watch);
         let judged = judged(&Found {
             left: &left,
@@ -119,6 +119,7 @@ impl Conclusion {
         }
         let left = judged.unknown.as_ref();
         self.tell_search(part, list, &gap, left);
+        let own = places(&part.study, &part.signals, left.map(|left| left.signal.as_str()));
         let mut trace = residual_places::trace(&part.study, torque, &blamed(left, &own, torque, &part.study));
         self.places.extend(own);
         if judged.withdrawn {
@@ -306,7 +307,10 @@ impl Conclusion {
             provenance: Provenance::of(&rig.data),
             units: rig.model.units().clone(),
             // the nominal model misses noise by a little everywhere; that is no place
-            place: residual_places::shares(if verdict == Verdict::None { Vec::new() } else { self.places }),
+            place: shares(
+                if verdict == Verdict::None { Vec::new() } else { self.places },
+                self.unknown.as_ref().map(|left| left.signal.as_str()),
+            ),
             verdict,
             effects: self.effects,
             gap,
@@ -335,13 +339,14 @@ fn courses(part: &Part, data: &DataSet) -> Vec<Overlaid> {
 }
 
 /// The signal that is blamed: of what has no name, or where the nominal model is furthest off.
-fn blamed(left: Option<&Unknown>, own: &[(f64, Where)], torque: bool, study: &Study) -> String {
+fn blamed(left: Option<&Unknown>, own: &[Place], torque: bool, study: &Study) -> String {
     let left = left.map(|left| left.signal.clone());
     match torque {
         true => left.unwrap_or_else(|| torque_shape(study, &study.nominal).0),
         false => {
-            let worst = own.iter().filter(|(_, place)| place.signal.starts_with("camera."));
-            let worst = worst.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place.signal.clone());
+            let worst = own.iter().filter(|place| place.disagrees() && place.signal().starts_with("camera."));
+            let worst = worst.max_by(|a, b| a.excess().total_cmp(&b.excess()));
+            let worst = worst.map(|place| place.signal().to_owned());
             left.or(worst).unwrap_or_default()
         }
     }

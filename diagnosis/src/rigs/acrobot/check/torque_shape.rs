@@ -166,7 +166,7 @@ pub(super) fn widest(at: &Evaluation) -> usize {
 }
 
 /// Sum of squares of one signal, in its unit.
-fn square(at: &Evaluation, signal: usize) -> f64 {
+pub(super) fn square(at: &Evaluation, signal: usize) -> f64 {
     let cells = at.blocks.iter().flat_map(|block| &block.cells);
     let rows = cells.flat_map(|cell| cell.signal.iter().zip(&cell.residual));
     rows.filter(|(own, _)| **own == signal).map(|(_, residual)| residual * residual).sum()

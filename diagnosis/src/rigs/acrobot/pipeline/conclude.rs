@@ -36,11 +36,12 @@ pub(super) fn conclude(
     watch: &mut Watch<'_>,
 ) -> Result<(Diagnosis, Vec<Measure>), Error> {
     let parts = compared.parts.as_slice();
+    let runs: Vec<String> = rig.data.runs.iter().map(|run| run.name.clone()).collect();
     let logs = Logs {
         rig,
         doubts: doubts_by_clock(rig.model, &rig.list, parts),
-        drift: parts.iter().find_map(|part| drifting(&part.study, &rig.list)),
-        runs: rig.data.runs.iter().map(|run| run.name.clone()).collect(),
+        drift: parts.iter().find_map(|part| drifting(&part.study, &rig.list, &runs)),
+        runs,
     };
     let mut all = Conclusion { notices, ..Conclusion::default() };
     for part in parts {

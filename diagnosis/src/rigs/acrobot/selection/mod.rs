@@ -21,6 +21,7 @@ mod subsets;
 mod switches;
 mod tolerance;
 mod trials;
+mod value_steps;
 mod without_effect;
 
 pub use classes::{Alternative, CLASS, HOPELESS, Questioned, alternatives};
@@ -32,6 +33,7 @@ pub use replace_effect::replace_effect;
 pub use screen::{Hit, Screen, screen};
 pub use search::{linearise, study, study_until};
 pub use steadiness::{Steadiness, steadiness};
+pub use value_steps::{ValueStep, value_steps};
 
 use crate::rigs::acrobot::candidates::{Candidate, continuous};
 use policy::SELECTION;

@@ -7,11 +7,11 @@ use crate::statistics::linear::{solve, submatrix, subvector};
 use std::collections::BTreeMap;
 
 /// What a block wants of a candidate beside where it is.
-struct BlockScore {
-    run: usize,
-    time: f64,
-    score: f64,
-    length: f64,
+pub(super) struct BlockScore {
+    pub(super) run: usize,
+    pub(super) time: f64,
+    pub(super) score: f64,
+    pub(super) length: f64,
 }
 
 /// A candidate's values by themselves in each run, and whether they are one.
@@ -118,7 +118,11 @@ fn gain_within_runs(block_scores: &[BlockScore]) -> f64 {
 }
 
 /// Score and information of a candidate in each block, the other active ones taken out; `None` where it has no column.
-fn block_scores(evaluation: &Evaluation, candidate: usize, active: &[usize]) -> Option<Vec<BlockScore>> {
+pub(super) fn block_scores(
+    evaluation: &Evaluation,
+    candidate: usize,
+    active: &[usize],
+) -> Option<Vec<BlockScore>> {
     let column = *evaluation.places(&[candidate]).first()?;
     let others: Vec<usize> = active.iter().copied().filter(|other| *other != candidate).collect();
     let places = evaluation.places(&others);

@@ -188,11 +188,17 @@ pub struct Periodic {
 }
 
 impl Periodic {
-    /// The law with so many waves a turn or a second and their heights, the best of `of`.
-    pub fn law(&self, times: f64, height: Vec<[f64; 2]>, of: usize) -> Law {
-        let (words, times) = match self.in_time {
-            true => (format!("{times:.1} times a second: {}", self.cause), std::f64::consts::TAU * times),
-            false => (format!("{times:.0} times a turn of {}: {}", self.of, self.cause), times),
+    /// The law with so many waves a turn or a second and their heights, the best of `of`; `once` is where along an angle the only one is that was seen.
+    pub fn law(&self, times: f64, height: Vec<[f64; 2]>, of: usize, once: Option<f64>) -> Law {
+        let (words, times) = match (self.in_time, once) {
+            (true, _) => {
+                (format!("{times:.1} times a second: {}", self.cause), std::f64::consts::TAU * times)
+            }
+            (false, None) => (format!("{times:.0} times a turn of {}: {}", self.of, self.cause), times),
+            (false, Some(place)) => (
+                format!("to and fro at one place of {}, about {place:.1} rad, and at no other", self.of),
+                times,
+            ),
         };
         Law {
             depends_on: self.depends_on,

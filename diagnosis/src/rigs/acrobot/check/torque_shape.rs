@@ -9,6 +9,7 @@ use crate::rigs::acrobot::residual::studio::{ANGLES, CENTROIDS};
 use crate::rigs::acrobot::residual::torque::{LACKING, torques};
 use crate::rigs::acrobot::selection::{Evaluation, Study};
 use crate::rigs::acrobot::simple_laws::{Moment, OF_STATE};
+use crate::statistics::levels::{HALF, PART};
 
 /// What of the list comes nearest to it.
 pub(super) fn nearest(study: &Study, candidates: &[Candidate]) -> String {
@@ -124,13 +125,24 @@ pub fn torque_shape(study: &Study, at: &Evaluation) -> (String, Vec<String>, Str
             };
             (signal(link), vec!["time".into()], shape)
         }
-        (None, Some((share, link, (variables, shape)))) if share > 0.15 => (
-            signal(link),
-            variables.iter().map(|name| (*name).to_owned()).collect(),
-            format!("{shape} ({:.0} % of it)", 100.0 * share),
-        ),
-        _ => (signal(link), Vec::new(), "no simple law of angles, rates or time".into()),
+        (None, Some((share, link, form))) if share > PART * HALF => {
+            let (depends_on, shape) = law_in_words(share, form);
+            (signal(link), depends_on, shape)
+        }
+        _ => (signal(link), Vec::new(), NO_LAW.into()),
     }
+}
+
+/// What is said where no law explains a torque.
+const NO_LAW: &str = "no simple law of angles, rates or time";
+
+/// On what a torque depends of which a law takes this share, and its form: one that leaves most of it says neither.
+fn law_in_words(share: f64, (variables, words): Form) -> (Vec<String>, String) {
+    if share > HALF {
+        let depends_on = variables.iter().map(|name| (*name).to_owned()).collect();
+        return (depends_on, format!("{words} ({:.0} % of it)", 100.0 * share));
+    }
+    (Vec::new(), format!("{NO_LAW}: the best takes {:.0} % of it", 100.0 * share))
 }
 
 /// Share of what a model leaves that one law takes away which is common to all runs: of the torques, or of the image's worst signal.
@@ -170,4 +182,22 @@ pub(super) fn square(at: &Evaluation, signal: usize) -> f64 {
     let cells = at.blocks.iter().flat_map(|block| &block.cells);
     let rows = cells.flat_map(|cell| cell.signal.iter().zip(&cell.residual));
     rows.filter(|(own, _)| **own == signal).map(|(_, residual)| residual * residual).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_a_law_is_told_that_takes_more_than_half() {
+        let form: Form = (&["q2"], "odd in q2, like a spring");
+        let (depends_on, shape) = law_in_words(0.51, form);
+        assert_eq!((depends_on.len(), shape.as_str()), (1, "odd in q2, like a spring (51 % of it)"));
+        // a sixth of a torque is no spring
+        let (depends_on, shape) = law_in_words(0.49, form);
+        assert!(
+            depends_on.is_empty() && !shape.contains("spring") && shape.ends_with("takes 49 % of it"),
+            "{shape}"
+        );
+    }
 }

@@ -7,6 +7,7 @@ use super::unlisted_law::Beside;
 use crate::rigs::acrobot::simple_laws::{Law, On, PERIODIC, Periodic};
 use crate::statistics::levels::HALF;
 use crate::statistics::median::median;
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
 /// A value at a place along what waves go, rad or s.
@@ -40,7 +41,8 @@ pub(super) fn periodic_laws(
         let all = each.concat();
         let groups = if groups.is_empty() { vec![all.as_slice()] } else { groups };
         let (times, height) = strongest(&groups, &tried)?;
-        Some((kind.on, kind.law(times, height, tried.count)))
+        let once = if kind.in_time { None } else { in_one_place(all.clone(), times, height[0]) };
+        Some((kind.on, kind.law(times, height, tried.count, once)))
     };
     PERIODIC.iter().filter_map(of).collect()
 }
@@ -127,6 +129,33 @@ fn strongest(groups: &[&[Sample]], tried: &Tried) -> Option<(f64, Vec<[f64; 2]>)
     best.map(|(_, count, height)| (tried.first + count as f64 * tried.step, height))
 }
 
+/// Where along an angle the one period is that holds waves, rad, if what else was seen doesn't: there they are less than half as high. A law that
+/// comes again with each period must show in more than one.
+fn in_one_place(mut samples: Vec<Sample>, times: f64, [cos, sin]: [f64; 2]) -> Option<f64> {
+    samples.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let wave = |at: f64| cos * libm::cos(times * at) + sin * libm::sin(times * at);
+    // along the wave, the same times the place, and the wave's own square: the last tells how high the first is
+    let parts = |(at, value): &Sample| {
+        let along = wave(*at) * value;
+        Vector3::new(along, along * at, wave(*at) * wave(*at))
+    };
+    let all: Vector3<f64> = samples.iter().map(parts).sum();
+    let (mut held, mut best, mut first) = (Vector3::zeros(), Vector3::zeros(), 0);
+    for sample in &samples {
+        held += parts(sample);
+        while sample.0 - samples[first].0 > TAU / times {
+            held -= parts(&samples[first]);
+            first += 1;
+        }
+        if held.x > best.x {
+            best = held;
+        }
+    }
+    let rest = all - best;
+    let elsewhere = rest.x / rest.z.max(f64::MIN_POSITIVE);
+    (elsewhere < HALF * all.x / all.z).then_some(best.y / best.x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,6 +199,26 @@ mod tests {
         assert!((times - 10.1).abs() < 0.04 && height.len() == 2, "{times}");
         let size = height.iter().map(|[cos, sin]| cos.hypot(*sin)).fold(f64::INFINITY, f64::min);
         assert!((size - 0.3).abs() < 0.15, "{height:?}");
+    }
+
+    #[test]
+    fn law_what_shows_in_one_period_alone_does_not_come_again() {
+        let mut random = Random::new(5);
+        let mut seen = |torque: &dyn Fn(f64) -> f64| {
+            let mut sample = || {
+                let angle = 2.4 * (random.uniform() - 0.5);
+                (angle, torque(angle) + 0.3 * random.normal())
+            };
+            let samples: Vec<Sample> = (0..4000).map(|_| sample()).collect();
+            let (times, height) = strongest(&[&samples], &turns(std::slice::from_ref(&samples), 0.0))
+                .expect("many waves were tried");
+            in_one_place(samples, times, height[0])
+        };
+        // a magnet at 0.15 rad that pulls both ways, and seven teeth a turn of which three pass by
+        let magnet = seen(&|angle| (0.15 - angle) / 0.2 * libm::exp(-((angle - 0.15) / 0.2).powi(2)));
+        assert!(magnet.is_some_and(|place| (place - 0.15).abs() < 0.1), "{magnet:?}");
+        assert_eq!(seen(&|angle| 0.3 * libm::sin(7.0 * angle)), None);
+        assert_eq!(seen(&|angle| 0.1 * libm::sin(40.0 * angle)), None);
     }
 
     #[test]

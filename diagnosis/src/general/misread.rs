@@ -5,6 +5,7 @@
 
 use super::study::{Studied, search_without_left_out, unnamed};
 use crate::check::{Reading, lines, nearer, unit_of_ratio};
+use crate::diagnosis::Unknown;
 use crate::dynamics::machine::Role;
 use crate::error::Notice;
 use crate::observe::{InputEffect, OutputEffect, Problem};
@@ -36,6 +37,12 @@ pub(super) fn misread(
     watch.end_at(end);
     let in_doubt = found.is_some();
     (found.into_iter().collect(), in_doubt)
+}
+
+/// What has no name, with the reading in which nothing is left of it.
+pub(super) fn with_reading(unknown: Unknown, misread: &[Notice]) -> Unknown {
+    let Some(notice) = misread.first() else { return unknown };
+    Unknown { nearest: format!("{}; but {}", unknown.nearest, notice.message), ..unknown }
 }
 
 /// Whether an effect lies at the end of its range: nothing between explains the logs as they are read.
@@ -109,4 +116,20 @@ fn ratios(problem: &Problem, all: &Studied) -> Vec<Notice> {
         Some(Notice { file: "dataset.toml".into(), line: reading.line, message })
     };
     all.effects.iter().filter_map(told).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_what_has_no_name_is_told_with_the_reading_that_leaves_none() {
+        let unknown = Unknown { nearest: "no candidate takes it away".into(), ..Unknown::default() };
+        assert_eq!(with_reading(unknown.clone(), &[]), unknown);
+        let notice = Notice { file: "dataset.toml".into(), line: 3, message: "with the sign turned".into() };
+        assert_eq!(
+            with_reading(unknown, &[notice]).nearest,
+            "no candidate takes it away; but with the sign turned"
+        );
+    }
 }

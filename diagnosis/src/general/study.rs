@@ -85,7 +85,8 @@ fn diagnosed_in_time(
         .or_else(|| held.squares.unlike().filter(|_| is_judged(&trained, &all) && options.fit.is_empty()));
     let (misread, is_misread) =
         misread::misread(problem, (&trained, &all), unknown.is_some(), options, watch);
-    let unknown = runs::shaped(problem, &all, options, unknown, watch);
+    let unknown = runs::shaped(problem, &all, options, unknown, watch)
+        .map(|unknown| misread::with_reading(unknown, &misread));
     let in_doubt =
         is_misread || unknown.is_some() || is_judged(&trained, &all) && held.squares.close_little();
     let effects = findings::effects(problem, &all, in_doubt);
@@ -94,11 +95,8 @@ fn diagnosed_in_time(
     watch.stage("writing the amended scenario");
     let amended = amended::amended(problem, &all, units)?;
     let gaps = claimed(held.gaps, &all, options);
-    let mut notices = all_notices(problem, &all, held.notice);
-    notices.extend(misread);
-    let mut story = findings::story(&all);
-    story.extend(all.story.clone());
-    story.extend(amended.told);
+    let notices = all_notices(problem, &all, held.notice.into_iter().chain(misread));
+    let story = [findings::story(&all), all.story.clone(), amended.told.into_iter().collect()].concat();
     Ok(Diagnosis {
         provenance: findings::provenance(problem),
         units: findings::units(problem),
@@ -128,12 +126,12 @@ pub(super) fn unnamed(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     residual::unknown(problem, studied).or_else(|| sensor::unknown(problem, studied))
 }
 
-/// What a user should know of the data set, of the search in it, and of the rows left out.
-fn all_notices(problem: &Problem, all: &Studied, held: Option<Notice>) -> Vec<Notice> {
+/// What a user should know of the data set and of the search in it, and more that was seen.
+fn all_notices(problem: &Problem, all: &Studied, more: impl Iterator<Item = Notice>) -> Vec<Notice> {
     let mut notices: Vec<Notice> = problem.notices.clone();
     notices.extend(all.built.notices.clone());
     notices.extend(all.built.engine.refusal_notices());
-    notices.extend(held);
+    notices.extend(more);
     notices
 }
 

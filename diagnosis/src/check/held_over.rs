@@ -21,10 +21,11 @@ pub(super) fn leave_out(problem: &mut Problem) {
                 series.values.len()
             );
             problem.notices.push(Notice { file: "dataset.toml".into(), line: channel.line, message });
-            // rows stand in order
-            for row in rows.iter().rev() {
-                series.time.remove(*row);
-                series.values.remove(*row);
+            let mut fresh = vec![true; series.values.len()];
+            rows.iter().for_each(|row| fresh[*row] = false);
+            for column in [&mut series.time, &mut series.values] {
+                let mut is_fresh = fresh.iter();
+                column.retain(|_| is_fresh.next() == Some(&true));
             }
         }
     }

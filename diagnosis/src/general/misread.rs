@@ -86,9 +86,12 @@ fn explained(
         });
         let names = values.collect::<Vec<_>>().join(" and ");
         let beside = if names.is_empty() { String::new() } else { format!(" beside {names}") };
+        let as_read = if is_unknown { "and not as they are read" } else { "better than as they are read" };
         let message = format!(
-            "with {}{beside} the model follows the logs, and as they are read it doesn't, or less well: look at what is said of it. {}",
-            reading.what, reading.add
+            "with {}{beside} the model follows the logs{} {as_read}: look at what is said of it. {}",
+            reading.what,
+            if is_unknown { "," } else { "" },
+            reading.add
         );
         return Some(Notice { file: "dataset.toml".into(), line: reading.line, message });
     }

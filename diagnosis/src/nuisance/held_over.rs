@@ -15,7 +15,9 @@ pub fn held_over(values: &[f64]) -> Option<Vec<usize>> {
     fresh.extend(measured.windows(2).filter(is_fresh).map(|pair| values[pair[1]]));
     let in_turn = longest(values, &measured);
     let seldom = often <= HALF && in_turn <= NUISANCE.in_turn;
-    if rows.len() < NUISANCE.in_turn || !(seldom || is_steady(&fresh, in_turn, measured.len())) {
+    let steady =
+        fresh.len() >= SAMPLE && (in_turn * fresh.len()) as f64 <= NUISANCE.steady * measured.len() as f64;
+    if rows.len() < NUISANCE.in_turn || !(seldom || steady) || is_coarse(&fresh) {
         return None;
     }
     fresh.sort_by(f64::total_cmp);
@@ -34,15 +36,13 @@ fn longest(values: &[f64], measured: &[usize]) -> usize {
     most.1
 }
 
-/// Whether every value stands for about as many rows, and what it changes by is no step of a converter: a sensor that is slower than its log.
-fn is_steady(fresh: &[f64], in_turn: usize, rows: usize) -> bool {
+/// Whether values change by few steps of a converter, or of the file's digits: what rises slowly repeats itself then, and no value comes again.
+fn is_coarse(fresh: &[f64]) -> bool {
     let mut changes: Vec<f64> = fresh.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     changes.sort_by(f64::total_cmp);
     let least = ROUNDING * changes.last().copied().unwrap_or(0.0);
-    let same = changes.windows(2).filter(|pair| pair[1] - pair[0] <= least).count();
-    fresh.len() >= SAMPLE
-        && (in_turn * fresh.len()) as f64 <= NUISANCE.steady * rows as f64
-        && same as f64 <= HALF * changes.len() as f64
+    let sizes = changes.windows(2).filter(|pair| pair[1] - pair[0] > least).count() + 1;
+    sizes < SAMPLE
 }
 
 #[cfg(test)]
@@ -102,6 +102,18 @@ mod tests {
         assert_eq!(rows(&log(1e-9, |row| row % 10 != 0)), Some(900));
         // a slow rise in steps of a converter: each value once, for five rows
         let rise: Vec<f64> = (0..1000).map(|row| 0.1 * f64::from(row / 5)).collect();
+        assert_eq!(rows(&rise), None);
+        // and a quicker one in noise of less than a step: one row in three repeats the one before
+        let mut random = Random::new(7);
+        let mut warms = || 0.67 + 0.05 * random.normal();
+        let mut at = 0.0;
+        let rise: Vec<f64> = (0..1000)
+            .map(|_| {
+                at += warms();
+                f64::round(at) * 0.1
+            })
+            .collect();
+        assert!(rise.windows(2).filter(|pair| pair[0] == pair[1]).count() > 250);
         assert_eq!(rows(&rise), None);
         // one that moves now and then: it repeats itself for far longer than usual
         assert_eq!(rows(&log(1e-9, |row| row % 10 != 0 || (200..300).contains(&row))), None);

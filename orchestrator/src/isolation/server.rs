@@ -9,7 +9,7 @@ use crate::fmu::{Function, Status, control_word};
 use crate::guard;
 use std::ffi::{CString, c_int, c_void};
 use std::io::Read as _;
-use std::os::fd::{FromRawFd, OwnedFd};
+use std::os::fd::{FromRawFd, OwnedFd, RawFd};
 use std::path::Path;
 use std::ptr;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -28,8 +28,10 @@ static MEMORY_OF_LOG: OnceLock<Mutex<Shared>> = OnceLock::new();
 
 /// Serves the master until it has gone or frees the instance. Never returns.
 pub(super) fn serve(descriptor: i32) -> ! {
+    // SAFETY: a question.
+    let (master, input) = (unsafe { libc::getppid() }, file_of(libc::STDIN_FILENO));
     // Before its memory is limited: a thread needs some.
-    if std::thread::Builder::new().spawn(end_with_the_master).is_err() {
+    if std::thread::Builder::new().spawn(move || end_with_the_master(master, input)).is_err() {
         std::process::exit(1);
     }
     if let Some(limit) = std::env::var(LIMIT).ok().and_then(|text| text.parse().ok()) {
@@ -77,11 +79,31 @@ pub(super) fn serve(descriptor: i32) -> ! {
     }
 }
 
-/// The master holds the other end of the standard input: when it has gone, nobody waits for this process.
-fn end_with_the_master() {
+/// The master holds the other end of the standard input: when it has gone, nobody waits for this process. A unit may close that descriptor, or take
+/// it for a file of its own, before it is read here: what it gives then says nothing, and the parent is looked at instead.
+fn end_with_the_master(master: libc::pid_t, input: Option<Inode>) {
     let _ = std::io::stdin().read(&mut [0]);
+    if file_of(libc::STDIN_FILENO) != input {
+        // SAFETY: a question; who has lost its parent has another one.
+        while unsafe { libc::getppid() } == master {
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
     // SAFETY: ends the process without what a unit has registered for its end.
     unsafe { libc::_exit(1) };
+}
+
+/// Device and number of what a descriptor stands for.
+type Inode = (libc::dev_t, libc::ino_t);
+
+/// `None` where the descriptor is closed.
+fn file_of(descriptor: RawFd) -> Option<Inode> {
+    // SAFETY: plain data, which the system fills.
+    let (status, found) = unsafe {
+        let mut found: libc::stat = std::mem::zeroed();
+        (libc::fstat(descriptor, &raw mut found), found)
+    };
+    (status == 0).then_some((found.st_dev, found.st_ino))
 }
 
 fn tell(line: &LogLine) {
@@ -176,5 +198,28 @@ impl Status {
             Self::Pending => 5,
             Self::Unknown(other) => other,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::file_of;
+    use std::os::fd::AsRawFd;
+
+    #[test]
+    fn value_a_descriptor_that_is_closed_or_taken_for_another_file_is_told() {
+        let (mine, _other) = std::io::pipe().expect("a pipe");
+        let null = std::fs::File::open("/dev/null").expect("it is there");
+        // A number of its own, which no other test opens in between.
+        // SAFETY: new descriptors of this test's own files.
+        let descriptor = unsafe { libc::fcntl(mine.as_raw_fd(), libc::F_DUPFD_CLOEXEC, 700) };
+        let before = file_of(descriptor);
+        assert!(before.is_some() && before == file_of(mine.as_raw_fd()));
+        // SAFETY: as above.
+        unsafe { libc::dup2(null.as_raw_fd(), descriptor) };
+        assert!(file_of(descriptor).is_some_and(|now| Some(now) != before));
+        // SAFETY: as above.
+        unsafe { libc::close(descriptor) };
+        assert_eq!(file_of(descriptor), None);
     }
 }

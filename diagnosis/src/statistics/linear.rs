@@ -7,9 +7,10 @@
 //! (screening, leaving runs out, the bootstrap) is sums of these over blocks.
 //! Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, section 2.4 and 4.2.
 
+use super::basis::{Basis, kept, whiten};
 use crate::statistics::levels::FINE;
 pub use crate::statistics::normal::{inverse, solve, submatrix, subvector};
-use crate::statistics::products::{add_products, norm, take_out};
+use crate::statistics::products::add_products;
 use nalgebra::{DMatrix, DVector};
 
 /// Below this share of its own length, what is left of a column after projection is rounding.
@@ -165,71 +166,6 @@ impl Reduced {
     }
 }
 
-/// An orthonormal basis of a cell's nuisances, after whitening.
-struct Basis {
-    rows: usize,
-    /// One vector behind the other.
-    vectors: Vec<f64>,
-    log_det: f64,
-    hard_rank: usize,
-}
-
-/// A column that keeps this share of its length is orthogonal to rounding after one pass (Kahan's criterion; Parlett, *The
-/// Symmetric Eigenvalue Problem*, SIAM 1998, section 6.9).
-const KEPT: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-impl Basis {
-    /// Gram-Schmidt, each column twice where it needs that, which is as good as Householder here and leaves dependent columns
-    /// out.
-    fn new(cell: &Cell, discrepancy_sd: f64) -> Self {
-        let (n, soft) = (cell.residual.len(), kept(cell, discrepancy_sd));
-        let rows = n + soft;
-        let vectors = Vec::with_capacity(rows * (cell.hard.ncols() + soft));
-        let mut basis = Self { rows, vectors, log_det: 0.0, hard_rank: 0 };
-        let mut vector = vec![0.0; rows];
-        for column in cell.hard.column_iter() {
-            whiten(cell, column.as_slice(), 1.0, &mut vector);
-            basis.hard_rank += usize::from(basis.push(&mut vector));
-        }
-        for (place, column) in cell.soft.column_iter().take(soft).enumerate() {
-            let factor = if place < cell.discrepancy { 1.0 } else { discrepancy_sd };
-            whiten(cell, column.as_slice(), factor, &mut vector);
-            vector[n + place] = 1.0;
-            basis.push(&mut vector);
-        }
-        basis
-    }
-
-    fn push(&mut self, vector: &mut [f64]) -> bool {
-        let before = norm(vector);
-        self.project(vector);
-        let mut after = norm(vector);
-        if after <= KEPT * before {
-            self.project(vector);
-            after = norm(vector);
-        }
-        if after.is_nan() || after <= RANK_TOLERANCE * before {
-            return false;
-        }
-        self.log_det += 2.0 * libm::log(after);
-        self.vectors.extend(vector.iter().map(|value| value / after));
-        true
-    }
-
-    fn project(&self, vector: &mut [f64]) {
-        take_out(&self.vectors, self.rows, vector);
-    }
-}
-
-/// Divides a column by the rows' standard deviations; the rows of soft nuisances below are 0.
-fn whiten(cell: &Cell, column: &[f64], factor: f64, into: &mut [f64]) {
-    let (own, below) = into.split_at_mut(column.len());
-    for ((into, value), sigma) in own.iter_mut().zip(column).zip(&cell.sigma) {
-        *into = factor * value / sigma;
-    }
-    below.fill(0.0);
-}
-
 /// Whitened rows of a cell after projection, with the soft nuisances' own rows below.
 pub struct Projected {
     /// What is left of the residual.
@@ -268,12 +204,7 @@ fn beside(cell: &Cell, residual: &[f64], raw: &DMatrix<f64>, discrepancy_sd: f64
         }
     }
     let freedom = n as f64 - basis.hard_rank as f64;
-    let mut expected = vec![1.0; n];
-    for vector in basis.vectors.chunks_exact(basis.rows.max(1)) {
-        expected.iter_mut().zip(vector).for_each(|(expected, value)| *expected -= value * value);
-    }
-    expected.iter_mut().for_each(|expected| *expected = expected.max(0.0));
-    Projected { residual: left, columns, freedom, log_det: basis.log_det, expected }
+    Projected { residual: left, columns, freedom, log_det: basis.log_det, expected: basis.expected(n) }
 }
 
 /// log det of the rows' noise.
@@ -341,11 +272,6 @@ pub fn nuisances(cell: &Cell, residual: &[f64], discrepancy_sd: f64) -> DVector<
         solution[place] *= discrepancy_sd;
     }
     solution
-}
-
-/// Soft columns that take part: where there is no discrepancy, its columns stay out.
-fn kept(cell: &Cell, discrepancy_sd: f64) -> usize {
-    if discrepancy_sd > 0.0 { cell.soft.ncols() } else { cell.discrepancy.min(cell.soft.ncols()) }
 }
 
 fn soft_columns(cell: &Cell, discrepancy_sd: f64) -> DMatrix<f64> {

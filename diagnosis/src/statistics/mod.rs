@@ -1,5 +1,6 @@
 //! Statistics that know nothing of robots: projection, tests, random signs.
 
+mod basis;
 pub mod bootstrap;
 pub mod levels;
 pub mod linear;

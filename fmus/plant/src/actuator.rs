@@ -106,11 +106,28 @@ pub trait Stage {
     /// How much of a change of `input` (N·m) comes out at once: ∂output/∂input.
     fn feedthrough(&self, input: f64) -> f64;
 
-    /// What comes out for what goes in from `now` on. Shortens `span` to where the output has a corner.
-    fn shape(&self, memory: &Memory, now: f64, input: Signal, span: &mut f64) -> Signal;
+    /// Makes what comes out of what goes in from `now` on. Shortens `span` to where the output has a corner.
+    fn shape(&self, memory: &Memory, now: f64, torque: &mut Signal, span: &mut f64);
 
-    /// The stretch ended at the time `end` with this output.
-    fn remember(&self, memory: &mut Memory, output: f64, end: f64) {
-        let _ = (memory, output, end);
+    /// The stretch ended.
+    fn remember(&self, memory: &mut Memory, ended: &Ended<'_>) {
+        let _ = (memory, ended);
+    }
+}
+
+/// How a stretch ended for a stage.
+pub struct Ended<'a> {
+    /// What came out over the stretch.
+    pub output: &'a Signal,
+    /// Length of the stretch, s.
+    pub span: f64,
+    /// The time at its end, s.
+    pub end: f64,
+}
+
+impl Ended<'_> {
+    /// What came out at the end, N·m.
+    pub fn torque(&self) -> f64 {
+        self.output.at(self.span)
     }
 }

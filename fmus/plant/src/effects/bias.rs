@@ -21,7 +21,9 @@ impl Stage for Bias {
         1.0
     }
 
-    fn shape(&self, _: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
-        if self.torque == 0.0 { input } else { Signal { value: input.value + self.torque, ..input } }
+    fn shape(&self, _: &Memory, _: f64, torque: &mut Signal, _: &mut f64) {
+        if self.torque != 0.0 {
+            torque.value += self.torque;
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! anything. Before the first command there is `tau_0`.
 
 use super::non_negative;
-use crate::actuator::{Command, Memory, SHORTEST, Signal, Stage};
+use crate::actuator::{Command, Ended, Memory, SHORTEST, Signal, Stage};
 use fmi2_export::{ModelError, unit, variables};
 
 variables! {
@@ -35,28 +35,27 @@ impl Stage for Delay {
         if self.time == 0.0 { 1.0 } else { 0.0 }
     }
 
-    fn shape(&self, memory: &Memory, now: f64, input: Signal, span: &mut f64) -> Signal {
+    fn shape(&self, memory: &Memory, now: f64, torque: &mut Signal, span: &mut f64) {
         if self.time == 0.0 {
-            return input;
+            return;
         }
-        let mut output = Signal::constant(memory.before);
+        *torque = Signal::constant(memory.before);
         for command in &memory.commands {
             let wait = command.from + self.time - now;
             if wait > SHORTEST {
                 *span = span.min(wait);
                 break;
             }
-            output = Signal::linear(command.value - command.rate * wait, command.rate);
+            *torque = Signal::linear(command.value - command.rate * wait, command.rate);
         }
-        output
     }
 
-    fn remember(&self, memory: &mut Memory, _: f64, end: f64) {
+    fn remember(&self, memory: &mut Memory, ended: &Ended<'_>) {
         if self.time == 0.0 {
             memory.commands.clear();
         }
         // The front command is needed until the one behind it arrives.
-        while memory.commands.get(1).is_some_and(|next| next.from + self.time - end <= SHORTEST) {
+        while memory.commands.get(1).is_some_and(|next| next.from + self.time - ended.end <= SHORTEST) {
             memory.commands.pop_front();
         }
     }

@@ -21,15 +21,11 @@ impl Stage for Gain {
         self.factor
     }
 
-    fn shape(&self, _: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
-        if self.factor == 1.0 {
-            return input;
-        }
-        Signal {
-            value: self.factor * input.value,
-            rate: self.factor * input.rate,
-            transient: self.factor * input.transient,
-            decay: input.decay,
+    fn shape(&self, _: &Memory, _: f64, torque: &mut Signal, _: &mut f64) {
+        if self.factor != 1.0 {
+            torque.value *= self.factor;
+            torque.rate *= self.factor;
+            torque.transient *= self.factor;
         }
     }
 }

@@ -3,7 +3,7 @@
 //! u(s) = v − rT + r·s + (u₀ − v + rT)·e^(−s/T). Starts from `tau_0`.
 
 use super::{non_negative, refused};
-use crate::actuator::{Memory, Signal, Stage};
+use crate::actuator::{Ended, Memory, Signal, Stage};
 use fmi2_export::{ModelError, unit, variables};
 
 variables! {
@@ -32,20 +32,16 @@ impl Stage for Lag {
         if self.time == 0.0 { 1.0 } else { 0.0 }
     }
 
-    fn shape(&self, memory: &Memory, _: f64, input: Signal, _: &mut f64) -> Signal {
+    fn shape(&self, memory: &Memory, _: f64, torque: &mut Signal, _: &mut f64) {
         if self.time == 0.0 {
-            return input;
+            return;
         }
-        let settled = input.value - input.rate * self.time;
-        Signal {
-            value: settled,
-            rate: input.rate,
-            transient: memory.lagged - settled,
-            decay: 1.0 / self.time,
-        }
+        torque.value -= torque.rate * self.time; // where it settles
+        torque.transient = memory.lagged - torque.value;
+        torque.decay = 1.0 / self.time;
     }
 
-    fn remember(&self, memory: &mut Memory, output: f64, _: f64) {
-        memory.lagged = output;
+    fn remember(&self, memory: &mut Memory, ended: &Ended<'_>) {
+        memory.lagged = ended.torque();
     }
 }

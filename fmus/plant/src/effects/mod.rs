@@ -15,7 +15,7 @@ mod saturation;
 mod slope;
 mod viscous;
 
-use crate::actuator::{Command, Memory, Signal, Stage};
+use crate::actuator::{Command, Ended, Memory, Signal, Stage};
 use fmi2_export::ModelError;
 use mechanics::{Equation, Incline};
 
@@ -113,7 +113,7 @@ macro_rules! effects {
                 let (mut signal, mut by, mut span) = (Signal::constant(command), 1.0, f64::INFINITY);
                 $(
                     by *= self.$stage.feedthrough(signal.at(0.0));
-                    signal = self.$stage.shape(memory, now, signal, &mut span);
+                    self.$stage.shape(memory, now, &mut signal, &mut span);
                 )*
                 let _ = signal;
                 // no zero with a sign
@@ -126,7 +126,7 @@ macro_rules! effects {
                 let mut signal = input;
                 let mut place = 0;
                 $(
-                    signal = self.$stage.shape(memory, now, signal, &mut passage.span);
+                    self.$stage.shape(memory, now, &mut signal, &mut passage.span);
                     passage.outputs[place] = signal;
                     place += 1;
                 )*
@@ -138,7 +138,8 @@ macro_rules! effects {
             pub fn remember(&self, memory: &mut Memory, passage: &Passage, end: f64) {
                 let mut place = 0;
                 $(
-                    self.$stage.remember(memory, passage.outputs[place].at(passage.span), end);
+                    let ended = Ended { output: &passage.outputs[place], span: passage.span, end };
+                    self.$stage.remember(memory, &ended);
                     place += 1;
                 )*
                 let _ = place;

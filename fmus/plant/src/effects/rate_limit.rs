@@ -4,7 +4,7 @@
 //! limit as future work (Section 5).
 
 use super::non_negative;
-use crate::actuator::{Memory, SHORTEST, Signal, Stage};
+use crate::actuator::{Ended, Memory, SHORTEST, Signal, Stage};
 use fmi2_export::{ModelError, unit, variables};
 
 variables! {
@@ -29,28 +29,31 @@ impl Stage for RateLimit {
         if self.limit == 0.0 { 1.0 } else { 0.0 }
     }
 
-    fn shape(&self, memory: &Memory, _: f64, input: Signal, span: &mut f64) -> Signal {
+    fn shape(&self, memory: &Memory, _: f64, torque: &mut Signal, span: &mut f64) {
         let limit = self.limit;
         if limit == 0.0 {
-            return input;
+            return;
         }
-        let Signal { value, rate, .. } = input; // a line: the lag comes later
+        let Signal { value, rate, .. } = *torque; // a line: the lag comes later
         let gap = value - memory.limited;
         // What is left of a gap that was just closed: rounding, and a stretch that can't be shorter than it is.
         let closed =
             4.0 * f64::EPSILON * (value.abs() + memory.limited.abs()) + 2.0 * SHORTEST * (limit + rate.abs());
         if gap.abs() <= closed {
-            return if rate.abs() <= limit { input } else { Signal::linear(value, limit.copysign(rate)) };
+            if rate.abs() > limit {
+                torque.rate = limit.copysign(rate);
+            }
+            return;
         }
         let chase = limit.copysign(gap);
         let closing = chase - rate;
         if closing * gap > 0.0 {
             *span = span.min(gap / closing);
         }
-        Signal::linear(memory.limited, chase)
+        *torque = Signal::linear(memory.limited, chase);
     }
 
-    fn remember(&self, memory: &mut Memory, output: f64, _: f64) {
-        memory.limited = output;
+    fn remember(&self, memory: &mut Memory, ended: &Ended<'_>) {
+        memory.limited = ended.torque();
     }
 }

@@ -25,23 +25,23 @@ impl Stage for Saturation {
         if self.limit != 0.0 && input.abs() >= self.limit { 0.0 } else { 1.0 }
     }
 
-    fn shape(&self, _: &Memory, _: f64, input: Signal, span: &mut f64) -> Signal {
+    fn shape(&self, _: &Memory, _: f64, torque: &mut Signal, span: &mut f64) {
         let limit = self.limit;
         if limit == 0.0 {
-            return input;
+            return;
         }
-        let Signal { value, rate, .. } = input; // a line: the lag comes later
+        let Signal { value, rate, .. } = *torque; // a line: the lag comes later
         let outwards = rate * value.signum();
         if value.abs() > limit || (value.abs() == limit && outwards >= 0.0) {
             if outwards < 0.0 {
                 *span = span.min((value.abs() - limit) / -outwards);
             }
-            return Signal::constant(limit.copysign(value));
+            *torque = Signal::constant(limit.copysign(value));
+            return;
         }
         if rate != 0.0 {
             let ahead = (limit.copysign(rate) - value) / rate;
             *span = span.min(ahead);
         }
-        input
     }
 }

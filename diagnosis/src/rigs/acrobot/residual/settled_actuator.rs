@@ -1,13 +1,42 @@
 //! What a slow actuator holds when a window begins. A lag of a twentieth of a second still remembers torques from before the window's
 //! preroll, a rate limit from longer ago: the unit's actuator runs alone through them, beside links that are held.
 
-use super::actuator::{plain, references, value};
+use super::actuator::{key, plain, references, value};
 use super::trajectory::{Drive, PREROLL};
 use crate::error::Error;
 use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::candidates::Attribute;
+use crate::rigs::acrobot::residual::plant::policy::WINDOWS;
 use crate::statistics::levels::ROWS;
 use orchestrator::Value;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Commands before a drive begins, s and N·m, each held to the next; and what actuators were found to hold after them.
+#[derive(Debug, Default)]
+pub struct Past {
+    commands: Vec<(f64, f64)>,
+    /// By the actuator's parameters: a search asks for the same ones with each start state and each torque.
+    held: Mutex<BTreeMap<Vec<u64>, f64>>,
+}
+
+impl Past {
+    /// With nothing found yet.
+    pub fn of(commands: Vec<(f64, f64)>) -> Self {
+        Self { commands, held: Mutex::default() }
+    }
+
+    /// What actuators were found to hold.
+    fn known(&self) -> MutexGuard<'_, BTreeMap<Vec<u64>, f64>> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl PartialEq for Past {
+    fn eq(&self, other: &Self) -> bool {
+        self.commands == other.commands
+    }
+}
 
 /// The plant's references that this needs.
 #[derive(Debug, Clone)]
@@ -53,17 +82,41 @@ impl Settling {
         let now = |reference: u32| value(plant, settings, reference);
         // what is quicker has settled in the preroll, to a millionth
         let slow = self.over_time.iter().any(|reference| now(*reference) > PREROLL / ROWS as f64);
-        let Some((first, torque)) = drive.history.first().copied().filter(|_| slow) else {
+        let past = &*drive.past;
+        if past.commands.is_empty() || !slow {
             return Ok(drive.before);
-        };
-        let mut all: Vec<Setting> =
+        }
+        let chain: Vec<Setting> =
             self.chain.iter().map(|reference| (*reference, Value::Real(now(*reference)))).collect();
+        let key = key(&chain);
+        if let Some(torque) = past.known().get(&key) {
+            return Ok(*torque);
+        }
+        let torque = self.run(plant, chain, &past.commands, drive.start())?;
+        let mut known = past.known();
+        if known.len() >= WINDOWS.remembered {
+            known.clear();
+        }
+        known.insert(key, torque);
+        Ok(torque)
+    }
+
+    /// Runs an actuator through commands to the end, s.
+    fn run(
+        &self,
+        plant: &Bench,
+        chain: Vec<Setting>,
+        commands: &[(f64, f64)],
+        end: f64,
+    ) -> Result<f64, Error> {
+        let (first, torque) = commands[0];
+        let mut all = chain;
         all.extend(self.plain.iter().cloned().chain(self.held.iter().cloned()));
         all.extend([(self.before, Value::Real(torque)), (self.tau, Value::Real(torque))]);
         plant.run(&all, first, |instance| {
             let failed = |error: orchestrator::Error| Error::Model(error.to_string());
-            let ends = drive.history[1..].iter().map(|(time, _)| *time).chain([drive.start()]);
-            for ((from, torque), to) in drive.history.iter().zip(ends) {
+            let ends = commands[1..].iter().map(|(time, _)| *time).chain([end]);
+            for ((from, torque), to) in commands.iter().zip(ends) {
                 instance.set_real(&[self.tau], &[*torque]).map_err(failed)?;
                 if to > *from {
                     step(instance, *from, to - from)?;
@@ -73,5 +126,37 @@ impl Settling {
             instance.get_real(&[self.applied], &mut held).map_err(failed)?;
             Ok(held[0])
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::residual::trajectory::Event;
+    use orchestrator::Fmu;
+    use std::path::Path;
+    use std::sync::Arc;
+
+    #[test]
+    fn law_what_an_actuator_holds_is_the_same_whatever_was_asked_before() {
+        // `cargo xtask pack` makes it
+        let packed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus/acrobot_plant.fmu");
+        let plant =
+            Bench::new(Fmu::open(packed).expect("it was packed"), &BTreeMap::new()).expect("no names");
+        let settling = Settling::of(&plant).expect("a plant");
+        let commands = || Past::of(vec![(0.0, 1.0), (0.1, 0.0)]);
+        let drive = |past: Past| {
+            let event = Event { time: 0.2, tau: 0.0, tau_1: 0.0, rates: [0.0; 2], wanted: true };
+            Drive { events: vec![event], before: 0.0, past: Arc::new(past) }
+        };
+        let lag = |time: f64| [plant.setting("T_act", time).expect("a parameter")];
+        let before = |drive: &Drive, time: f64| settling.before(&plant, &lag(time), drive).expect("it steps");
+        let kept = drive(commands());
+        for time in [0.05, 0.1, 0.05, 0.1] {
+            // a lag that stood at 1 has decayed for a tenth of a second; the unit's own exp is good to rounding
+            assert!((before(&kept, time) - libm::exp(-0.1 / time)).abs() < 1e-12);
+            assert_eq!(before(&kept, time), before(&drive(commands()), time));
+        }
+        assert_eq!(kept.past.known().len(), 2);
     }
 }

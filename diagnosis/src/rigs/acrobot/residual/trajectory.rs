@@ -10,7 +10,7 @@ use crate::rigs::acrobot::bench::{Bench, Setting, step};
 use crate::rigs::acrobot::channels::{Channel, File, Measures, compared, count, names, places};
 use crate::rigs::acrobot::dataset::{Run, Table};
 use crate::rigs::acrobot::residual::policy::RESIDUAL;
-use crate::rigs::acrobot::residual::settled_actuator::Settling;
+use crate::rigs::acrobot::residual::settled_actuator::{Past, Settling};
 use orchestrator::fmu::Instance;
 use std::sync::Arc;
 
@@ -57,8 +57,8 @@ pub struct Drive {
     pub events: Vec<Event>,
     /// Commanded torque just before the start, N·m.
     pub before: f64,
-    /// Commands of the time before, s and N·m, each held to the next: a slow actuator remembers them.
-    pub history: Arc<[(f64, f64)]>,
+    /// Commands of the time before: a slow actuator remembers them.
+    pub past: Arc<Past>,
 }
 
 impl Drive {
@@ -102,8 +102,8 @@ impl Drive {
             }
         }
         let before = run.controller.as_ref().map_or(0.0, |log| log.held("tau", start - 1e-9, 0.0));
-        let history = run.controller.as_ref().map_or_else(Vec::new, |log| history(log, start));
-        Self { events, before, history: history.into() }
+        let past = run.controller.as_ref().map_or_else(Vec::new, |log| history(log, start));
+        Self { events, before, past: Arc::new(Past::of(past)) }
     }
 
     /// The state is wanted where it begins, with nothing driven before.

@@ -118,7 +118,7 @@ mod tests {
     /// A drive that begins at a time, s.
     fn drive(time: f64) -> Drive {
         let event = Event { time, tau: 0.0, tau_1: 0.0, rates: [0.0; 2], wanted: true };
-        Drive { events: vec![event], before: 0.0, history: Vec::new().into() }
+        Drive { events: vec![event], before: 0.0, past: Arc::default() }
     }
 
     #[test]

@@ -20,6 +20,8 @@ pub struct Worker {
     pub resets: bool,
     /// Steps that were made.
     steps: usize,
+    /// References that are read in one call.
+    wanted: Vec<u32>,
 }
 
 /// What happens from a row on, over one interval or more.
@@ -96,7 +98,8 @@ impl Worker {
     pub fn new(machine: &Machine) -> Result<Self, Error> {
         let reals = vec![(Vec::new(), Vec::new()); machine.units.len()];
         let others = vec![Vec::new(); machine.units.len()];
-        let mut worker = Self { instances: Vec::new(), reals, others, resets: true, steps: 0 };
+        let mut worker =
+            Self { instances: Vec::new(), reals, others, resets: true, steps: 0, wanted: Vec::new() };
         worker.renew(machine)?;
         Ok(worker)
     }
@@ -138,9 +141,7 @@ impl Worker {
                 }
             }
             if interval == 0 {
-                for (place, shows) in machine.states.iter().map(|state| state.shows).enumerate() {
-                    out[place] = shows.map_or(Ok(0.0), |shows| self.read(shows))?;
-                }
+                self.states(machine, &mut out[..machine.order()])?;
             }
             if job.each_row {
                 self.feed(machine, &job.at_row[(interval + 1) * width..(interval + 2) * width])?;
@@ -156,10 +157,47 @@ impl Worker {
     }
 
     fn outputs(&mut self, machine: &Machine, out: &mut Vec<f64>) -> Result<(), Error> {
-        for output in &machine.channels {
-            out.push(self.read(output.variable)?);
+        let from = out.len();
+        out.resize(from + machine.channels.len(), 0.0);
+        self.read_all(machine.channels.iter().map(|output| Some(output.variable)), &mut out[from..])
+    }
+
+    /// What shows the states; 0 where nothing does.
+    fn states(&mut self, machine: &Machine, out: &mut [f64]) -> Result<(), Error> {
+        out.fill(0.0);
+        self.read_all(machine.states.iter().map(|state| state.shows), out)
+    }
+
+    /// Reads variables into their places, real ones of a unit that follow each other in one call.
+    fn read_all(
+        &mut self,
+        variables: impl Iterator<Item = Option<Reference>>,
+        out: &mut [f64],
+    ) -> Result<(), Error> {
+        let mut wanted = std::mem::take(&mut self.wanted);
+        let (mut begin, mut of) = (0, None);
+        for (place, variable) in variables.enumerate() {
+            let real = variable.filter(|variable| variable.kind == Kind::Real);
+            let instance = real.map(|variable| variable.instance);
+            if of != instance {
+                self.read_reals(of, &wanted, &mut out[begin..place])?;
+                wanted.clear();
+                (begin, of) = (place, instance);
+            }
+            wanted.extend(real.map(|variable| variable.reference));
+            if let (None, Some(variable)) = (real, variable) {
+                out[place] = self.read(variable)?;
+            }
         }
+        self.read_reals(of, &wanted, &mut out[begin..])?;
+        wanted.clear();
+        self.wanted = wanted;
         Ok(())
+    }
+
+    fn read_reals(&mut self, instance: Option<usize>, wanted: &[u32], out: &mut [f64]) -> Result<(), Error> {
+        let Some(instance) = instance else { return Ok(()) };
+        self.instances[instance].get_real(wanted, out).map_err(failed)
     }
 
     /// What the variables that show the states say after initialisation.

@@ -79,7 +79,11 @@ impl Instance {
             }
         }
         let may = |reference: &u32| fmu.may_set_late(Kind::Real, *reference);
-        if begin.reals.iter().all(may) {
+        if self.late.0 != begin.reals {
+            // the same ones are set each time that an instance begins
+            self.late = (begin.reals.to_vec(), begin.reals.iter().all(may));
+        }
+        if self.late.1 {
             return if begin.reals.is_empty() { Ok(()) } else { self.set_real(begin.reals, begin.values) };
         }
         let both = begin.reals.iter().zip(begin.values).filter(|(reference, _)| may(reference));

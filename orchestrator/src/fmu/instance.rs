@@ -36,6 +36,8 @@ pub struct Instance {
     label: &'static Label,
     /// The processor's control word, as it was before there was a unit.
     word: u32,
+    /// Real variables that were asked for lately, and whether all of them can be set in initialization mode.
+    pub(super) late: (Vec<u32>, bool),
     sink: Arc<Sink>,
     // Read by the unit through the pointer it was given; never moved. None for a unit in another process.
     _callbacks: Option<Box<Callbacks>>,
@@ -62,6 +64,7 @@ impl Instance {
             name: name.into(),
             label,
             word,
+            late: (Vec::new(), true),
             sink,
             _callbacks: callbacks,
             fmu,

@@ -116,9 +116,17 @@ impl Bench {
             None => self.fmu.instantiate("bench").map_err(failed)?,
         };
         instance.reset().map_err(failed)?;
+        // one call sets all real ones, in their order: the last value of a variable counts
+        let (mut references, mut values) = (Vec::new(), Vec::new());
         for (reference, value) in self.nominal.iter().chain(settings) {
-            instance.set(*reference, value).map_err(failed)?;
+            if let Value::Real(value) = value {
+                references.push(*reference);
+                values.push(*value);
+            } else {
+                instance.set(*reference, value).map_err(failed)?;
+            }
         }
+        instance.set_real(&references, &values).map_err(failed)?;
         Ok(instance)
     }
 

@@ -7,6 +7,7 @@ use super::policy::DOUBTS;
 use super::readings::residual;
 use super::ways::{list, named};
 use crate::observe::{Hold, Problem, Role, Series};
+use crate::statistics::levels::FEW;
 use crate::statistics::median::median;
 use orchestrator::Kind;
 
@@ -28,19 +29,26 @@ fn with_lines(problem: &Problem, places: &[usize]) -> Problem {
     other
 }
 
-/// Inputs with which along lines the nominal model follows the logs, and far worse as they are held: place, and how many times as much is left.
+/// Inputs with which along lines the nominal model follows the logs, and far worse as they are held: place, and how many times as much is left. Where
+/// none does so by itself, all of them together.
 pub(crate) fn along_lines(problem: &Problem) -> Vec<(usize, f64)> {
     let places = held_and_smooth(problem);
     if places.is_empty() {
         return Vec::new();
     }
     let own = residual(problem, &DOUBTS.long);
-    let told = |place: usize| {
-        let lines = residual(&with_lines(problem, &[place]), &DOUBTS.long);
+    let times_better = |places: &[usize]| {
+        let lines = residual(&with_lines(problem, places), &DOUBTS.long);
         let better = lines.share.is_none_or(|share| share < DOUBTS.right) && own.is_worse(&lines);
-        better.then(|| (place, own.excess / lines.excess.max(1.0)))
+        better.then(|| own.excess / lines.excess.max(1.0))
     };
-    places.into_iter().filter_map(told).collect()
+    let each = places.iter().filter_map(|place| Some((*place, times_better(&[*place])?)));
+    let told: Vec<(usize, f64)> = each.collect();
+    if !told.is_empty() || places.len() == 1 {
+        return told;
+    }
+    let all = times_better(&places);
+    all.map_or(Vec::new(), |by| places.into_iter().map(|place| (place, by)).collect())
 }
 
 /// Inputs that run smoothly and are read as held since nobody says how they run.
@@ -68,17 +76,22 @@ pub(crate) fn lines(problem: &Problem) -> Option<Reading> {
     })
 }
 
-/// Whether an input moves from row to row, and by nearly as much as between the rows before: steps do neither, and noise not the second.
-fn runs_along_lines<'a>(runs: impl Iterator<Item = &'a Series>) -> bool {
-    let (mut moves, mut bends) = (Vec::new(), Vec::new());
-    for series in runs {
-        let steps: Vec<f64> = series.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        moves.extend(steps.iter().map(|step| step.abs()));
-        bends.extend(steps.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
-    }
-    let usual = |all: Vec<f64>| median(all).unwrap_or(0.0);
-    let (moves, bends) = (usual(moves), usual(bends));
-    moves > 0.0 && bends < DOUBTS.smooth * moves
+/// Whether an input moves from row to row, and by nearly as much as between the rows before: steps do neither, and noise not the second. Over a
+/// few rows, too: from row to row noise may hide how it runs.
+fn runs_along_lines<'a>(runs: impl Iterator<Item = &'a Series> + Clone) -> bool {
+    let smooth = |apart: usize| {
+        let (mut moves, mut bends) = (Vec::new(), Vec::new());
+        for series in runs.clone() {
+            let over = |place: usize| series.values[place + apart] - series.values[place];
+            let count = series.values.len().saturating_sub(apart);
+            moves.extend((0..count).map(|place| over(place).abs()));
+            bends.extend((apart..count).map(|place| (over(place) - over(place - apart)).abs()));
+        }
+        let usual = |all: Vec<f64>| median(all).unwrap_or(0.0);
+        let (moves, bends) = (usual(moves), usual(bends));
+        moves > 0.0 && bends < DOUBTS.smooth * moves
+    };
+    (0..FEW).any(|doublings| smooth(1 << doublings))
 }
 
 #[cfg(test)]
@@ -114,5 +127,13 @@ mod tests {
         assert!(!of(&|row| Random::new(row as u64).normal()), "noise");
         // a sine of w per row bends by w of what it moves, so to speak
         assert!(of(&|row| (row as f64 * 0.45).sin()) && !of(&|row| (row as f64 * 0.55).sin()));
+        // over four rows noise of a third of what it moves in one is little
+        let noisy = |size: f64| {
+            let mut random = Random::new(5);
+            let noise: Vec<f64> = (0..200).map(|_| size * random.normal()).collect();
+            of(&|row| (row as f64 * 0.05).sin() + noise[row])
+        };
+        assert!(noisy(0.015) && !noisy(0.15));
+        assert!(!of(&|row| Random::new((row / 5) as u64).normal()), "levels of five rows");
     }
 }

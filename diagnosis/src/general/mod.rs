@@ -19,6 +19,7 @@
 //! - `equivalent.rs`: an unlisted input as a signal at a declared one
 //! - `amended.rs`, `table.rs`: the scenario with what was found, and what the logs fed it
 //! - `misread.rs`: logs that count otherwise than is said, of a machine that lacks something as well
+//! - `held_or_lines.rs`: which reading of inputs that run smoothly is the likelier one
 //! - `blame.rs`: what most likely made a diagnosis fail
 //! - `policy.rs`: the numbers that decide, with their reasons
 
@@ -29,6 +30,7 @@ mod equivalent;
 mod events;
 mod findings;
 mod fit_given;
+mod held_or_lines;
 mod long;
 mod mismatch;
 mod misread;
@@ -46,5 +48,6 @@ mod table;
 mod times_off;
 mod windows;
 
+pub(crate) use held_or_lines::likelier_lines;
 pub use study::diagnosed;
 pub use table::{INPUT_LINES, INPUTS};

@@ -7,7 +7,8 @@ use super::write::{self, Found};
 use super::{Import, Match, instance};
 use crate::check::{along_lines, may_be_lines};
 use crate::error::Error;
-use crate::observe::{self, Problem};
+use crate::general::likelier_lines;
+use crate::observe::{self, Hold, Problem};
 use orchestrator::Fmu;
 use orchestrator::fmu::Bench;
 use std::path::Path;
@@ -42,23 +43,37 @@ pub(super) fn settle(
 /// The matches with how inputs run between rows, where the logs and the model tell. What is guessed wrong, and what they don't tell, a diagnosis
 /// finds beside what the model lacks.
 fn held(problem: &Problem, unit: &Fmu, matches: &[Match], pace: &Pace) -> Vec<Match> {
-    let problem = Problem { deadline: Some(Instant::now() + pace.patience()), ..problem.as_it_is() };
-    let lines: Vec<String> =
-        along_lines(&problem).into_iter().map(|(place, _)| problem.channels[place].name.clone()).collect();
+    let problem = Problem { deadline: Some(Instant::now() + pace.patience()), ..problem.clone() };
+    let lines: Vec<String> = along_lines(&problem.as_it_is())
+        .into_iter()
+        .map(|(place, _)| problem.channels[place].name.clone())
+        .collect();
     let smooth = may_be_lines(&problem);
+    let likelier = if lines.is_empty() { likelier_lines(&problem) } else { None };
     let mut matches = matches.to_vec();
     for matched in &mut matches {
         let name = format!("{}.{}", instance(unit), unit.description().variables[matched.variable].name);
-        if lines.contains(&name) {
-            matched.along_lines = true;
-            matched.evidence.push(
-                "along lines between rows: it runs smoothly, and held from row to row the model follows the logs worse".into(),
-            );
-        } else if smooth.contains(&name) {
-            matched.evidence.push(
-                "held from row to row; it runs smoothly: write hold = \"linear\" if it did not jump at each row".into(),
-            );
-        }
+        let (hold, why) = match (lines.contains(&name), smooth.contains(&name), likelier) {
+            (true, ..) => (
+                Hold::Linear,
+                "along lines between rows: it runs smoothly, and held from row to row the model follows the logs worse",
+            ),
+            (_, true, Some(true)) => (
+                Hold::Linear,
+                "along lines between rows: it runs smoothly, and held from row to row the logs are less likely, whatever the model lacks",
+            ),
+            (_, true, Some(false)) => (
+                Hold::Zero,
+                "held from row to row: it runs smoothly, and along lines the logs are less likely, whatever the model lacks",
+            ),
+            (_, true, None) => (
+                Hold::Zero,
+                "held from row to row; it runs smoothly: write hold = \"linear\" if it did not jump at each row",
+            ),
+            _ => continue,
+        };
+        matched.along_lines = hold == Hold::Linear;
+        matched.evidence.push(why.into());
     }
     matches
 }

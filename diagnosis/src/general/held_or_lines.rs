@@ -1,0 +1,39 @@
+//! Inputs that run smoothly, and of which nobody says how they run between rows: held, or along lines, whichever is likelier beside what the machine
+//! lacks. The nominal model follows the logs in neither way then, so that no look at it tells.
+
+use super::policy::GENERAL;
+use super::study::studied;
+use crate::check::lines;
+use crate::observe::{Ports, Problem, Run};
+use crate::options::Options;
+use crate::statistics::levels::{CERTAIN, FEW};
+use crate::watch::{Doing, Watch};
+
+/// Whether the logs are likelier with these inputs along lines; nothing where they don't tell, or where the model can't be followed.
+pub(crate) fn likelier_lines(problem: &Problem) -> Option<bool> {
+    // what has no name is process noise, in either reading
+    let ports = Ports { unknown_inputs: false, ..problem.ports.clone() };
+    let held = Problem { ports, ..problem.clone() };
+    let along = lines(&held)?.problem;
+    // a few rows tell most, and a search in many takes long
+    [1, FEW].into_iter().find_map(|stretches| likelier(&held, &along, stretches * GENERAL.stretch))
+}
+
+/// Whether the other reading is likelier, by so many rows; nothing where they don't tell.
+fn likelier(one: &Problem, other: &Problem, rows: usize) -> Option<bool> {
+    let (options, mut nobody) = (Options::default(), |_: &Doing<'_>| {});
+    let watch = &mut Watch::new(&mut nobody, one.deadline);
+    let mut deviance = |problem: &Problem| {
+        let found = studied(problem, &begins(problem, rows), &options, None, false, watch).ok()?;
+        (!watch.is_over("reading the logs otherwise")).then_some(found.fit.deviance)
+    };
+    let (one, other) = (deviance(one)?, deviance(other)?);
+    ((one - other).abs() > CERTAIN * CERTAIN).then_some(other < one)
+}
+
+/// The beginnings of all runs, so many rows in all.
+fn begins(problem: &Problem, rows: usize) -> Vec<(&Run, (f64, f64))> {
+    let length = (rows / problem.runs.len().max(1)) as f64 * problem.row();
+    let part = |(run, (from, to)): (_, (f64, f64))| (run, (from, to.min(from + length)));
+    problem.whole_runs().into_iter().map(part).collect()
+}

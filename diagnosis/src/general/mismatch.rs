@@ -14,7 +14,7 @@ use crate::infer::Noise;
 use crate::nuisance::Scatter;
 use crate::observe::{Problem, Run};
 use crate::overlay::Overlaid;
-use crate::statistics::levels::{HALF, MORE, SMALL};
+use crate::statistics::levels::{FAR, HALF, MORE, SMALL};
 
 /// What rows say that were left out.
 pub struct HeldOut {
@@ -26,6 +26,8 @@ pub struct HeldOut {
     pub channels: Vec<Overlaid>,
     /// Where the gap stands on a part of the rows only.
     pub notice: Option<Notice>,
+    /// What has no name where the nominal model runs away from the rows left out.
+    pub lost: Option<Unknown>,
 }
 
 /// Judges a model on rows left out. Where they were followed joins what is known.
@@ -72,7 +74,38 @@ pub fn held_out(
         ),
     });
     let squares = Squares::of(&built, &before, after);
-    Ok(HeldOut { gaps, squares, channels, notice })
+    let lost = lost(&built, &before);
+    Ok(HeldOut { gaps, squares, channels, notice, lost })
+}
+
+/// What has no name where the model is many times as far from a channel as the log moves, from whatever start state: it runs away, though each row may
+/// follow from the one before.
+fn lost(built: &Built, windows: &[Window]) -> Option<Unknown> {
+    let outputs = built.engine.machine.channels.iter().enumerate();
+    let is_lost = |(channel, output): (usize, &Output)| {
+        let samples = built.engine.grids.iter().flat_map(|grid| &grid.samples);
+        let values: Vec<f64> =
+            samples.filter(|sample| sample.channel == channel).map(|sample| sample.value).collect();
+        let (apart, moves) = (mean(windows, channel)?, spread(&values));
+        (moves > 0.0 && apart > FAR * moves).then(|| Unknown {
+            signal: output.name.clone(),
+            shape: format!(
+                "the model runs away, {apart:.1e} {} from a log that moves by {moves:.1e}, though each row follows from the one before: is a column in another \
+                 unit of measurement than dataset.toml says, so that what is fed is many times too large?",
+                output.unit
+            ),
+            nearest: "no listed effect holds the model back".into(),
+            ..Unknown::default()
+        })
+    };
+    outputs.filter_map(is_lost).next()
+}
+
+/// Standard deviation of some values.
+fn spread(values: &[f64]) -> f64 {
+    let count = values.len().max(1) as f64;
+    let middle = values.iter().sum::<f64>() / count;
+    (values.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / count).sqrt()
 }
 
 /// The name of rows left out: a run's, with its times where they are but a part of it.
@@ -266,6 +299,7 @@ pub fn places(studied: &Studied) -> Vec<Where> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::tests::pendulum;
     use crate::general::windows::Sum;
     use crate::nuisance::scatter;
     use crate::statistics::random::Random;
@@ -309,6 +343,16 @@ mod tests {
         assert!(!squares(1.45, 1.45).close_little() && squares(1.55, 1.55).close_little());
         let none = Squares::default();
         assert!(!none.are_widened() && !none.close_little() && none.unlike().is_none());
+    }
+
+    #[test]
+    fn value_a_model_runs_away_that_is_ten_times_as_far_off_as_the_log_moves() {
+        let built = pendulum("lost", 400);
+        let built = build(&built, &built.whole_runs()).expect("a pendulum");
+        let moves = spread(&built.engine.grids[0].samples.iter().map(|one| one.value).collect::<Vec<_>>());
+        let at = |times: f64| lost(&built, &[window(&[times * moves; 2], false)]);
+        assert!(at(5.0).is_none() && at(20.0).is_some_and(|lost| lost.shape.contains("runs away")));
+        assert_eq!(spread(&[1.0, 3.0]), 1.0);
     }
 
     #[test]

@@ -82,7 +82,8 @@ fn diagnosed_in_time(
     let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = unnamed(problem, &all)
-        .or_else(|| held.squares.unlike().filter(|_| is_judged(&trained, &all) && options.fit.is_empty()));
+        .or_else(|| held.squares.unlike().filter(|_| is_judged(&trained, &all) && options.fit.is_empty()))
+        .or_else(|| held.lost.clone().filter(|_| all.effects.is_empty()));
     let (misread, is_misread) =
         misread::misread(problem, (&trained, &all), unknown.is_some(), options, watch);
     let unknown = runs::shaped(problem, &all, options, unknown, watch)

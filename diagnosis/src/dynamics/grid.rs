@@ -21,10 +21,19 @@ pub struct Sample {
 
 /// Times at which an input jumps, s: at all where it seldom moves, by more than usual where it always does.
 pub(super) fn jumps(course: &Course) -> Vec<f64> {
+    jumps_beyond(course, 0.0)
+}
+
+/// The same where it moves by more than this share of all that it moves through, too: a brake that is mostly at rest and then pressed slowly moves by
+/// more than usual in each row, and jolts nothing.
+pub(super) fn jumps_beyond(course: &Course, share: f64) -> Vec<f64> {
     let moves: Vec<f64> = course.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let usual = median(moves.iter().copied()).unwrap_or(0.0);
     let times = course.time.iter().skip(1).zip(&moves);
-    times.filter(|(_, by)| **by > DYNAMICS.jump * usual).map(|(time, _)| *time).collect()
+    let ends = |ends: (f64, f64), value: &f64| (ends.0.min(*value), ends.1.max(*value));
+    let (least, most) = course.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let enough = (DYNAMICS.jump * usual).max(share * (most - least));
+    times.filter(|(_, by)| **by > enough).map(|(time, _)| *time).collect()
 }
 
 /// One run, as the sweep walks it.
@@ -355,5 +364,10 @@ mod tests {
         };
         assert_eq!(jumps(2.7).len(), 0);
         assert_eq!(jumps(3.3), [50.0]);
+        // at rest, then pressed over twenty rows and let go at once
+        let pressed = |row: i32| if (50..=70).contains(&row) { f64::from(row - 50) } else { 0.0 };
+        let values = (0..100).map(pressed).collect();
+        let brake = Course { time: (0..100).map(f64::from).collect(), values, hold: Hold::Zero };
+        assert_eq!((super::jumps(&brake).len(), jumps_beyond(&brake, 0.1)), (21, vec![71.0]));
     }
 }

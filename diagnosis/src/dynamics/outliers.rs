@@ -1,6 +1,6 @@
 //! Outliers of the channels: found without the model, taken back where the model explains them.
 
-use super::grid::{Grid, jumps};
+use super::grid::{Grid, jumps_beyond};
 use super::linearise::Engine;
 use super::machine::Machine;
 use super::policy::DYNAMICS;
@@ -8,6 +8,7 @@ use super::schedule::Schedule;
 use crate::error::Notice;
 use crate::infer::{Linearised, Noise, smooth};
 use crate::nuisance::{outliers, scatter};
+use crate::statistics::levels::SMALL;
 
 fn of_channel(grid: &Grid, channel: usize) -> Vec<usize> {
     (0..grid.samples.len()).filter(|place| grid.samples[*place].channel == channel).collect()
@@ -24,7 +25,7 @@ pub(super) fn excluded(machine: &Machine, grids: &[Grid]) -> Vec<Vec<bool>> {
         let logs: Vec<&[f64]> = logs.iter().map(Vec::as_slice).collect();
         let scale = outliers::scale(&logs, scatter(&logs).quantum);
         for (run, (grid, log)) in grids.iter().zip(&logs).enumerate() {
-            let jumps: Vec<Vec<f64>> = grid.inputs.iter().map(jumps).collect();
+            let jumps: Vec<Vec<f64>> = grid.inputs.iter().map(|course| jumps_beyond(course, SMALL)).collect();
             let places = of_channel(grid, channel);
             let time: Vec<f64> = places.iter().map(|place| grid.samples[*place].time).collect();
             let driven = |from: f64, to: f64| jumps.iter().flatten().any(|time| (from..=to).contains(time));

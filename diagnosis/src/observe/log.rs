@@ -1,7 +1,7 @@
 //! One log: a CSV file with a column of time and columns of numbers.
 //!
-//! An empty cell, or `nan`, was not measured then. Rows whose time is not later than the one before are left out, with a
-//! notice; what is no number is an error with its line.
+//! An empty cell, or `nan`, was not measured then. Rows of one time that hold different columns, as merged logs have them, are one row. Other rows
+//! whose time is not later than the one before are left out, with a notice; what is no number is an error with its line.
 
 use super::implausible::implausible;
 use super::{EPOCH, Series, csv_text};
@@ -115,7 +115,9 @@ impl Log {
                 return Err(self.wrong(self.rows[row].0, problem));
             };
             let time = (time - origin) * seconds;
-            if rows.last().is_some_and(|(_, before)| time <= *before) {
+            if rows.last().is_some_and(|(_, before)| time <= *before)
+                && !self.joins(row, time, place, &rows)?
+            {
                 late = Some(late.map_or((self.rows[row].0, 1), |(line, count)| (line, count + 1)));
                 continue;
             }
@@ -130,6 +132,23 @@ impl Log {
             notices.push(Notice { file: label.to_owned(), line, message });
         }
         Ok(Times { rows })
+    }
+
+    /// Whether a row is of the time of those before it, and holds nothing that they hold, too.
+    fn joins(&self, row: usize, time: f64, clock: usize, before: &[(usize, f64)]) -> Result<bool, Error> {
+        let same = before.iter().rev().take_while(|(_, at)| *at >= time);
+        let others: Vec<(usize, f64)> = same.copied().collect();
+        if others.iter().any(|(_, at)| *at > time) {
+            return Ok(false);
+        }
+        for place in (0..self.columns.len()).filter(|place| *place != clock) {
+            let is_told =
+                |row: usize| !matches!(self.rows[row].1.get(place), None | Some("" | "nan" | "NaN"));
+            if is_told(row) && others.iter().any(|(other, _)| is_told(*other)) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// What is wrong with a column of time of which so many rows are not later than one before: a clock that began again goes on from there.
@@ -202,7 +221,25 @@ fn comma(record: &csv::StringRecord) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::if_date;
+    use super::*;
+
+    #[test]
+    fn every_row_of_one_time_is_joined_that_holds_other_columns() {
+        let path = std::env::temp_dir().join(format!("merged-{}.csv", std::process::id()));
+        let read = |text: &str| {
+            std::fs::write(&path, text).expect("a temporary file can be written");
+            let (log, mut notices) = (Log::read(&path).expect("a log"), Vec::new());
+            let times = log.times(0, 1.0, "merged.csv", &mut notices).expect("times");
+            let of = |place| log.series(place, &times).expect("numbers");
+            (of(1).values, of(2).time, notices.len())
+        };
+        // of three rows at 1 s two hold different columns; the third says `a` again
+        let merged = "time,a,b\n0,1,\n1,2,\n1,,5\n1,3,nan\n2,4,6\n";
+        assert_eq!(read(merged), (vec![1.0, 2.0, 4.0], vec![1.0, 2.0], 1));
+        // an earlier one is no part of it
+        assert_eq!(read("time,a,b\n0,1,\n1,2,\n0.5,,5\n2,3,6\n").2, 1);
+        let _ = std::fs::remove_file(path);
+    }
 
     #[test]
     fn value_dates_and_times_of_day_are_known() {

@@ -96,6 +96,14 @@ impl<'a> Watch<'a> {
         self.known.as_ref()
     }
 
+    /// Whatever ended early behind the first so many is told as one.
+    pub fn tell_as_one(&mut self, first: usize, what: &str) {
+        if self.ended.len() > first {
+            self.ended.truncate(first);
+            self.ended.push(what.to_owned());
+        }
+    }
+
     /// What ended early, in the order in which it did.
     pub fn ended(&self) -> &[String] {
         &self.ended
@@ -140,5 +148,9 @@ mod tests {
         let mut watch = Watch::new(&mut nobody, Some(Instant::now()));
         assert!(watch.is_over("the search") && watch.is_over("the search") && watch.is_over("classes"));
         assert_eq!(watch.ended(), ["the search", "classes"]);
+        watch.tell_as_one(2, "nothing");
+        assert_eq!(watch.ended(), ["the search", "classes"]);
+        watch.tell_as_one(1, "all that followed");
+        assert_eq!(watch.ended(), ["the search", "all that followed"]);
     }
 }

@@ -32,9 +32,11 @@ pub(super) fn misread(
         return (told, false);
     }
     watch.stage("reading the logs otherwise");
-    let end = watch.share(PART);
+    let (end, ended) = (watch.share(PART), watch.ended().len());
     let found = explained(others, (trained, is_unknown || ends_at_a_range(all)), options, watch);
     watch.end_at(end);
+    // the search in the logs as they are read came to its own end
+    watch.tell_as_one(ended, TRIED);
     let in_doubt = found.is_some();
     (found.into_iter().collect(), in_doubt)
 }

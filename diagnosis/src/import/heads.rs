@@ -1,5 +1,6 @@
 //! The head of a column: a name and, in one of the ways that people write it, a unit of measurement.
 
+use super::times::TIME_NAMES;
 use crate::observe::measure;
 
 /// The head of a column.
@@ -56,7 +57,13 @@ pub(super) fn header(text: &str) -> Header {
             return whole(name, Some(unit));
         }
     }
-    whole(text, None)
+    // `TimeUS` of a flight controller, `timestampMs`
+    let lower = text.to_lowercase();
+    let clock = TIME_NAMES.iter().filter(|name| name.len() > 1).find_map(|name| {
+        let unit = lower.strip_prefix(name)?;
+        (unit.len() > 1 && measure::seconds(unit).is_ok()).then_some((*name, unit))
+    });
+    clock.map_or_else(|| whole(text, None), |(name, unit)| whole(name, Some(unit)))
 }
 
 #[cfg(test)]
@@ -87,6 +94,10 @@ mod tests {
             ("m/s", "m/s", None),
             ("T_in", "T_in", None),
             ("flow in", "flow in", None),
+            ("TimeUS", "time", Some("us")),
+            ("timestampMs", "timestamp", Some("ms")),
+            ("timestamp", "timestamp", None),
+            ("times", "times", None),
         ] {
             let head = header(text);
             assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");

@@ -38,7 +38,7 @@ pub(super) fn match_columns(
             affine: si,
             evidence,
             fed: description.variables[place].causality == Causality::Input,
-            along_lines: false,
+            hold: None,
         });
     }
     matches.sort_by_key(|known| (!known.fed, known.variable));

@@ -40,7 +40,7 @@ mod unshown;
 mod write;
 
 use crate::error::Error;
-use crate::observe::Affine;
+use crate::observe::{Affine, Hold};
 use orchestrator::{Fmu, Isolation, UnitPath};
 use sheet::Sheet;
 use std::path::{Path, PathBuf};
@@ -70,8 +70,8 @@ struct Match {
     evidence: Vec<String>,
     /// An input.
     fed: bool,
-    /// An input that runs along lines between rows.
-    along_lines: bool,
+    /// How an input runs between rows, where the logs tell.
+    hold: Option<Hold>,
 }
 
 /// When the rows of logs without a column of time were written: from a time on, in s, at a rate, in Hz.

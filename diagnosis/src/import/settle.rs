@@ -40,6 +40,14 @@ pub(super) fn settle(
     Ok((guesses, problem.notices.iter().map(ToString::to_string).collect()))
 }
 
+/// Why an input runs along lines, or is held.
+const FOLLOWS: &str =
+    "along lines between rows: it runs smoothly, and held from row to row the model follows the logs worse";
+const LINES: &str = "along lines between rows: it runs smoothly, and held from row to row the logs are less likely, whatever the model lacks";
+const HELD: &str = "held from row to row: it runs smoothly, and along lines the logs are less likely, whatever the model lacks";
+const OPEN: &str =
+    "held from row to row; it runs smoothly: write hold = \"linear\" if it did not jump at each row";
+
 /// The matches with how inputs run between rows, where the logs and the model tell. What is guessed wrong, and what they don't tell, a diagnosis
 /// finds beside what the model lacks.
 fn held(problem: &Problem, unit: &Fmu, matches: &[Match], pace: &Pace) -> Vec<Match> {
@@ -54,25 +62,13 @@ fn held(problem: &Problem, unit: &Fmu, matches: &[Match], pace: &Pace) -> Vec<Ma
     for matched in &mut matches {
         let name = format!("{}.{}", instance(unit), unit.description().variables[matched.variable].name);
         let (hold, why) = match (lines.contains(&name), smooth.contains(&name), likelier) {
-            (true, ..) => (
-                Hold::Linear,
-                "along lines between rows: it runs smoothly, and held from row to row the model follows the logs worse",
-            ),
-            (_, true, Some(true)) => (
-                Hold::Linear,
-                "along lines between rows: it runs smoothly, and held from row to row the logs are less likely, whatever the model lacks",
-            ),
-            (_, true, Some(false)) => (
-                Hold::Zero,
-                "held from row to row: it runs smoothly, and along lines the logs are less likely, whatever the model lacks",
-            ),
-            (_, true, None) => (
-                Hold::Zero,
-                "held from row to row; it runs smoothly: write hold = \"linear\" if it did not jump at each row",
-            ),
+            (true, ..) => (Some(Hold::Linear), FOLLOWS),
+            (_, true, Some(true)) => (Some(Hold::Linear), LINES),
+            (_, true, Some(false)) => (Some(Hold::Zero), HELD),
+            (_, true, None) => (None, OPEN),
             _ => continue,
         };
-        matched.along_lines = hold == Hold::Linear;
+        matched.hold = hold;
         matched.evidence.push(why.into());
     }
     matches

@@ -6,6 +6,7 @@ use super::starts::{self, Start};
 use super::trial::Known;
 use super::{Match, Time, instance};
 use crate::error::Error;
+use crate::observe::Hold;
 use orchestrator::Fmu;
 use orchestrator::Kind;
 use orchestrator::fmu::{Causality, Variability};
@@ -134,8 +135,9 @@ fn channel(text: &mut String, guesses: &mut Vec<String>, fmu: &Fmu, matched: &Ma
         }
         (None, None) => {}
     }
-    if matched.along_lines {
-        let _ = writeln!(text, "hold = \"linear\"");
+    if let Some(hold) = matched.hold {
+        let hold = if hold == Hold::Linear { "linear" } else { "zero" };
+        let _ = writeln!(text, "hold = \"{hold}\"");
     }
 }
 

@@ -46,7 +46,7 @@ fn judged_in(line: Line, header: Option<&str>, affine: Option<Affine>) -> (Match
         affine,
         evidence: Vec::new(),
         fed: false,
-        along_lines: false,
+        hold: None,
     };
     let mut notices = Vec::new();
     judge(&mut matched, line, &description, &[], affine.is_some(), &mut notices);

@@ -55,6 +55,9 @@ const FACTORS: [(f64, &str); 10] = [
     (PI / 30.0, " (rpm in place of rad/s)"),
 ];
 
+/// A road's grade in place of its angle, rad.
+const GRADE: (f64, &str) = (1e-2, " (a grade in %)");
+
 impl Way {
     /// The data set read in this way.
     pub(super) fn read(&self, problem: &Problem) -> Problem {
@@ -325,7 +328,8 @@ pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
         let same = |by: &Affine| by.offset == times_log(channel, *factor).offset;
         found.iter().any(|(_, by, _)| (by.scale / factor - 1.0).abs() < ROUNDING && same(by))
     };
-    let bare = FACTORS[..2].iter().filter(|factor| !is_known(factor)).map(way);
+    let grade = (own == "rad").then_some(&GRADE);
+    let bare = FACTORS[..2].iter().chain(grade).filter(|factor| !is_known(factor)).map(way);
     let in_units = found.iter().map(|one| in_unit(problem, std::slice::from_ref(one)));
     in_units.chain(bare).chain(kinds::rates(problem, place)).collect()
 }
@@ -355,6 +359,23 @@ fn columns(problem: &Problem, a: usize, b: usize) -> Way {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::tests::swung;
+
+    #[test]
+    fn value_an_angle_may_be_a_grade_and_a_torque_not() {
+        let problem = swung("grade", 60);
+        let grades = |name: &str| {
+            let place = problem.channels.iter().position(|channel| channel.name.ends_with(name));
+            let all = units(&problem, place.expect("it is logged"));
+            all.into_iter()
+                .filter(|way| way.what.contains("a grade in %"))
+                .map(|way| way.add)
+                .collect::<Vec<_>>()
+        };
+        let angle = grades(".q2");
+        assert!(angle.len() == 1 && angle[0].contains("scale = 0.01"), "{angle:?}");
+        assert!(grades(".tau").is_empty());
+    }
 
     #[test]
     fn value_all_pairs_of_eight_columns_are_tried_and_no_more() {

@@ -115,9 +115,10 @@ fn course(shape: Shape, time: &[f64]) -> Vec<f64> {
 fn describe_wave(shape: Shape, name: &str, unit: &str, middle: f64, half: f64, time: &[f64]) -> String {
     let span = time[time.len() - 1] - time[0];
     let row = span / (time.len() - 1) as f64;
+    // FMI's unit of a number is 1
+    let unit = if ["", "1"].contains(&unit) { String::new() } else { format!(" {unit}") };
     let range = |share: f64| {
-        let (low, high) = (middle - share * half, middle + share * half);
-        format!("between {} and {}{}{unit}", brief(low), brief(high), if unit.is_empty() { "" } else { " " })
+        format!("between {} and {}{unit}", brief(middle - share * half), brief(middle + share * half))
     };
     let over = format!("for {} s, a row each {} s", brief(span), brief(row));
     match shape {
@@ -136,7 +137,7 @@ fn describe_wave(shape: Shape, name: &str, unit: &str, middle: f64, half: f64, t
             brief(1.0 / span),
             brief(1.0 / (6.0 * row))
         ),
-        Shape::Hold => format!("step {name} to {} {unit} once and hold it, {over}", brief(middle + half)),
+        Shape::Hold => format!("step {name} to {}{unit} once and hold it, {over}", brief(middle + half)),
     }
 }
 
@@ -149,6 +150,15 @@ pub(super) fn brief(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_a_wave_is_told_with_its_unit_and_a_number_without() {
+        let time = [0.0, 1.0, 2.0];
+        let of = |shape, unit| describe_wave(shape, "copter.thr", unit, 0.5, 0.25, &time);
+        assert!(of(Shape::Hold, "1").starts_with("step copter.thr to 0.75 once"));
+        assert!(of(Shape::Hold, "V").starts_with("step copter.thr to 0.75 V once"));
+        assert!(of(Shape::Chirp, "").contains("between 0.25 and 0.75 from"));
+    }
 
     #[test]
     fn law_courses_stay_within_the_amplitude_and_use_it() {

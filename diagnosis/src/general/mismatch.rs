@@ -15,6 +15,7 @@ use crate::nuisance::Scatter;
 use crate::observe::{Problem, Run};
 use crate::overlay::Overlaid;
 use crate::statistics::levels::{FAR, HALF, MORE, SMALL};
+use crate::text::brief;
 
 /// What rows say that were left out.
 pub struct HeldOut {
@@ -90,9 +91,11 @@ fn lost(built: &Built, windows: &[Window]) -> Option<Unknown> {
         (moves > 0.0 && apart > FAR * moves).then(|| Unknown {
             signal: output.name.clone(),
             shape: format!(
-                "the model runs away, {apart:.1e} {} from a log that moves by {moves:.1e}, though each row follows from the one before: is a column in another \
+                "the model runs away, {} {} from a log that moves by {}, though each row follows from the one before: is a column in another \
                  unit of measurement than dataset.toml says, so that what is fed is many times too large?",
-                output.unit
+                brief(apart),
+                output.unit,
+                brief(moves)
             ),
             nearest: "no listed effect holds the model back".into(),
             ..Unknown::default()

@@ -3,9 +3,12 @@
 //! No reading is beyond doubt before a fit then: the nominal model follows the logs in none. As they are read something is left that has no name,
 //! or a gain is named that is the ratio of two units. In the right reading what the machine lacks has its name, and nothing is left.
 
+use super::mismatch::held_out;
+use super::rows_left_out::parted;
 use super::study::{Studied, search_without_left_out, unnamed};
 use crate::check::{Reading, lines, nearer, unit_of_ratio};
 use crate::diagnosis::Unknown;
+use crate::dynamics::first_path::Trails;
 use crate::dynamics::machine::Role;
 use crate::error::Notice;
 use crate::observe::{InputEffect, OutputEffect, Problem};
@@ -76,7 +79,9 @@ fn explained(
         let read = Problem { deadline: watch.until(), ..reading.problem };
         let Ok(again) = search_without_left_out(&read, options, watch) else { continue };
         let is_likelier = again.fit.deviance + CERTAIN * CERTAIN < trained.fit.deviance;
-        if unnamed(&read, &again).is_some() || ends_at_a_range(&again) || !(is_unknown || is_likelier) {
+        let is_better = is_unknown || is_likelier;
+        if unnamed(&read, &again).is_some() || ends_at_a_range(&again) || !is_better || is_lost(&read, &again)
+        {
             continue;
         }
         let values = again.effects.iter().map(|effect| {
@@ -98,6 +103,12 @@ fn explained(
         return Some(Notice { file: "dataset.toml".into(), line: reading.line, message });
     }
     None
+}
+
+/// Whether the model runs away from the rows left out in this reading, too.
+fn is_lost(problem: &Problem, found: &Studied) -> bool {
+    let (_, left) = parted(problem);
+    held_out(problem, &left, found, &mut Trails::default()).map_or(true, |held| held.lost.is_some())
 }
 
 /// Gains that were named and are the ratio of two units in which a column may be written.

@@ -57,7 +57,8 @@ fn held(problem: &Problem, unit: &Fmu, matches: &[Match], pace: &Pace) -> Vec<Ma
         .map(|(place, _)| problem.channels[place].name.clone())
         .collect();
     let smooth = may_be_lines(&problem);
-    let likelier = if lines.is_empty() { likelier_lines(&problem) } else { None };
+    let searched = Problem { deadline: Some(Instant::now() + Pace::patience_of_search()), ..problem };
+    let likelier = if lines.is_empty() { likelier_lines(&searched) } else { None };
     let mut matches = matches.to_vec();
     for matched in &mut matches {
         let name = format!("{}.{}", instance(unit), unit.description().variables[matched.variable].name);

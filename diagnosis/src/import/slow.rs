@@ -44,6 +44,11 @@ impl Pace {
         Duration::from_secs_f64(seconds)
     }
 
+    /// Real time that a search in a few rows may take: one in a unit that is slow has no chance.
+    pub(super) fn patience_of_search() -> Duration {
+        Duration::from_secs_f64(IMPORT.short_patience)
+    }
+
     /// What to ask of times in which rows are so far apart; nothing where they are not.
     pub(super) fn question(&self) -> Option<String> {
         let (unit, own) = self.shorter.zip(self.own)?;

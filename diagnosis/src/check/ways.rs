@@ -41,22 +41,20 @@ const USUAL: [&str; 24] = [
 ];
 /// Prefixes that loggers put before the model's unit.
 const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
-/// Factors of a variable whose description names no unit: prefixes, and what logs have in place of what models count in.
-const FACTORS: [(f64, &str); 10] = [
-    (1e3, ""),
-    (1e-3, ""),
-    (1e6, ""),
-    (1e-6, ""),
-    (1e-2, " (% or cm)"),
-    (1e2, ""),
-    (PI / 180.0, " (deg in place of rad)"),
-    (180.0 / PI, " (rad in place of deg)"),
-    (9.80665, " (g in place of m/s2)"),
-    (PI / 30.0, " (rpm in place of rad/s)"),
+/// Factors of a variable, and the unit that its description must name, or none: prefixes, and what logs have in place of what models count in.
+const FACTORS: [(f64, &str, &str); 11] = [
+    (1e3, "", ""),
+    (1e-3, "", ""),
+    (1e6, "", ""),
+    (1e-6, "", ""),
+    (1e-2, " (% or cm)", ""),
+    (1e2, "", ""),
+    (PI / 180.0, " (deg in place of rad)", ""),
+    (180.0 / PI, " (rad in place of deg)", ""),
+    (9.80665, " (g in place of m/s2)", ""),
+    (PI / 30.0, " (rpm in place of rad/s)", ""),
+    (1e-2, " (a grade in %)", "rad"),
 ];
-
-/// A road's grade in place of its angle, rad.
-const GRADE: (f64, &str) = (1e-2, " (a grade in %)");
 
 impl Way {
     /// The data set read in this way.
@@ -299,7 +297,7 @@ fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
 pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
     let channel = &problem.channels[place];
     let variable = problem.model.variable(channel.variable);
-    let way = |(factor, why): &(f64, &str)| {
+    let way = |(factor, why, _): &(f64, &str, &str)| {
         let by = times_log(channel, *factor);
         Way {
             change: Change::Values(vec![(place, by)]),
@@ -310,7 +308,7 @@ pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
         }
     };
     let Some(own) = variable.unit.as_deref().filter(|own| !own.is_empty()) else {
-        return FACTORS.iter().map(way).collect();
+        return FACTORS.iter().filter(|(_, _, of)| of.is_empty()).map(way).collect();
     };
     let prefixed: Vec<String> = PREFIXES.iter().map(|prefix| format!("{prefix}{own}")).collect();
     let names = USUAL.into_iter().chain(prefixed.iter().map(String::as_str)).chain([own]);
@@ -324,12 +322,12 @@ pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
             found.push((place, by, name));
         }
     }
-    let is_known = |(factor, _): &&(f64, &str)| {
+    let is_known = |(factor, ..): &&(f64, &str, &str)| {
         let same = |by: &Affine| by.offset == times_log(channel, *factor).offset;
         found.iter().any(|(_, by, _)| (by.scale / factor - 1.0).abs() < ROUNDING && same(by))
     };
-    let grade = (own == "rad").then_some(&GRADE);
-    let bare = FACTORS[..2].iter().chain(grade).filter(|factor| !is_known(factor)).map(way);
+    let own_kind = FACTORS.iter().filter(|(_, _, of)| *of == own);
+    let bare = FACTORS[..2].iter().chain(own_kind).filter(|factor| !is_known(factor)).map(way);
     let in_units = found.iter().map(|one| in_unit(problem, std::slice::from_ref(one)));
     in_units.chain(bare).chain(kinds::rates(problem, place)).collect()
 }

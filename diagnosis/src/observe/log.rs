@@ -115,8 +115,7 @@ impl Log {
                 return Err(self.wrong(self.rows[row].0, problem));
             };
             let time = (time - origin) * seconds;
-            if rows.last().is_some_and(|(_, before)| time <= *before)
-                && !self.joins(row, time, place, &rows)?
+            if rows.last().is_some_and(|(_, before)| time <= *before) && !self.joins(row, time, place, &rows)
             {
                 late = Some(late.map_or((self.rows[row].0, 1), |(line, count)| (line, count + 1)));
                 continue;
@@ -134,21 +133,19 @@ impl Log {
         Ok(Times { rows })
     }
 
-    /// Whether a row is of the time of those before it, and holds nothing that they hold, too.
-    fn joins(&self, row: usize, time: f64, clock: usize, before: &[(usize, f64)]) -> Result<bool, Error> {
-        let same = before.iter().rev().take_while(|(_, at)| *at >= time);
-        let others: Vec<(usize, f64)> = same.copied().collect();
-        if others.iter().any(|(_, at)| *at > time) {
-            return Ok(false);
-        }
-        for place in (0..self.columns.len()).filter(|place| *place != clock) {
-            let is_told =
-                |row: usize| !matches!(self.rows[row].1.get(place), None | Some("" | "nan" | "NaN"));
-            if is_told(row) && others.iter().any(|(other, _)| is_told(*other)) {
-                return Ok(false);
-            }
-        }
-        Ok(true)
+    /// Whether a row is of the time of those before it, and holds something that none of them holds, and nothing else: of one time there are at most as
+    /// many rows as columns.
+    fn joins(&self, row: usize, time: f64, clock: usize, before: &[(usize, f64)]) -> bool {
+        let is_told = |row: usize, place: usize| {
+            let cell = self.rows[row].1.get(place).unwrap_or("");
+            !cell.is_empty() && !cell.parse::<f64>().is_ok_and(f64::is_nan)
+        };
+        let mut told =
+            (0..self.columns.len()).filter(|place| *place != clock && is_told(row, *place)).peekable();
+        let same = before.iter().rev().take_while(|(_, at)| *at == time);
+        before.last().is_some_and(|(_, at)| *at == time)
+            && told.peek().is_some()
+            && told.all(|place| same.clone().all(|(other, _)| !is_told(*other, place)))
     }
 
     /// What is wrong with a column of time of which so many rows are not later than one before: a clock that began again goes on from there.
@@ -236,7 +233,8 @@ mod tests {
         // of three rows at 1 s two hold different columns; the third says `a` again
         let merged = "time,a,b\n0,1,\n1,2,\n1,,5\n1,3,nan\n2,4,6\n";
         assert_eq!(read(merged), (vec![1.0, 2.0, 4.0], vec![1.0, 2.0], 1));
-        // an earlier one is no part of it
+        // one that holds nothing is left out, as an earlier one is
+        assert_eq!(read("time,a,b\n0,1,\n1,2,\n1,,NAN\n2,3,6\n").2, 1);
         assert_eq!(read("time,a,b\n0,1,\n1,2,\n0.5,,5\n2,3,6\n").2, 1);
         let _ = std::fs::remove_file(path);
     }

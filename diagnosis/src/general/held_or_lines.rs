@@ -6,7 +6,7 @@ use super::study::studied;
 use crate::check::lines;
 use crate::observe::{Ports, Problem, Run};
 use crate::options::Options;
-use crate::statistics::levels::{CERTAIN, FEW};
+use crate::statistics::levels::{CERTAIN, FEW, SAMPLE};
 use crate::watch::{Doing, Watch};
 
 /// Whether the logs are likelier with these inputs along lines; nothing where they don't tell, or where the model can't be followed.
@@ -31,9 +31,31 @@ fn likelier(one: &Problem, other: &Problem, rows: usize) -> Option<bool> {
     ((one - other).abs() > CERTAIN * CERTAIN).then_some(other < one)
 }
 
-/// The beginnings of all runs, so many rows in all.
+/// The beginnings of runs, so many rows in all: of all runs, or of so many that each has rows enough to tell anything.
 fn begins(problem: &Problem, rows: usize) -> Vec<(&Run, (f64, f64))> {
-    let length = (rows / problem.runs.len().max(1)) as f64 * problem.row();
+    let runs = problem.runs.len().min(rows / SAMPLE).max(1);
+    let length = (rows / runs) as f64 * problem.row();
     let part = |(run, (from, to)): (_, (f64, f64))| (run, (from, to.min(from + length)));
-    problem.whole_runs().into_iter().map(part).collect()
+    problem.whole_runs().into_iter().take(runs).map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::tests::pendulum;
+
+    #[test]
+    fn value_each_run_has_thirty_rows_or_is_left_out() {
+        let mut problem = pendulum("begins", 200);
+        let one = problem.runs[0].clone();
+        let mut lengths = |runs: usize, rows: usize| {
+            problem.runs = vec![one.clone(); runs];
+            let begins = begins(&problem, rows);
+            let rows = begins.iter().map(|(_, (from, to))| ((to - from) / problem.row()).round());
+            (begins.len(), rows.fold(0.0, f64::max))
+        };
+        assert_eq!([lengths(1, 60), lengths(2, 60), lengths(3, 60)], [(1, 60.0), (2, 30.0), (2, 30.0)]);
+        // fewer rows than that are what there is of one run
+        assert_eq!([lengths(4, 10), lengths(1, 1000)], [(1, 10.0), (1, 199.0)]);
+    }
 }

@@ -189,16 +189,19 @@ pub fn step(instance: &mut Instance, from: f64, size: f64) -> Result<(), Error> 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use std::path::Path;
 
+    /// The plant with its own values, as `cargo xtask pack` makes it.
+    pub(in crate::rigs::acrobot) fn packed_plant() -> Bench {
+        let packed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus/acrobot_plant.fmu");
+        Bench::new(Fmu::open(packed).expect("it was packed"), &BTreeMap::new()).expect("no names")
+    }
+
     #[test]
     fn law_each_step_says_that_work_goes_on() {
-        // `cargo xtask pack` makes it
-        let packed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus/acrobot_plant.fmu");
-        let bench =
-            Bench::new(Fmu::open(packed).expect("it was packed"), &BTreeMap::new()).expect("no names");
+        let bench = packed_plant();
         let said = |instance: &mut Instance| {
             let before = orchestrator::beats();
             (0..7).try_for_each(|k| step(instance, 0.01 * f64::from(k), 0.01))?;

@@ -132,17 +132,13 @@ impl Settling {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::bench::tests::packed_plant;
     use crate::rigs::acrobot::residual::trajectory::Event;
-    use orchestrator::Fmu;
-    use std::path::Path;
     use std::sync::Arc;
 
     #[test]
     fn law_what_an_actuator_holds_is_the_same_whatever_was_asked_before() {
-        // `cargo xtask pack` makes it
-        let packed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fmus/acrobot_plant.fmu");
-        let plant =
-            Bench::new(Fmu::open(packed).expect("it was packed"), &BTreeMap::new()).expect("no names");
+        let plant = packed_plant();
         let settling = Settling::of(&plant).expect("a plant");
         let commands = || Past::of(vec![(0.0, 1.0), (0.1, 0.0)]);
         let drive = |past: Past| {

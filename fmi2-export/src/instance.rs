@@ -155,7 +155,7 @@ impl<M: Model> Instance<M> {
             return Ok(());
         }
         let experiment = self.state.experiment.ok_or(Error::NoExperiment)?;
-        self.state.model = self.state.model.renewed();
+        self.state.model = std::mem::take(&mut self.state.model).renewed();
         self.state.model.initialize(&mut self.state.values, &experiment, &mut self.log)?;
         self.check_outputs()?;
         self.state.stale = false;
@@ -236,7 +236,7 @@ impl<M: Model> Instance<M> {
 
     /// `fmi2Reset`.
     pub fn reset(&mut self) -> Result<(), Error> {
-        self.state = State::new(self.state.model.renewed());
+        self.state = State::new(std::mem::take(&mut self.state.model).renewed());
         self.no_state_before = None;
         self.last_step = OK;
         Ok(())

@@ -30,7 +30,7 @@ pub trait Model: Default + Clone + Send + Serialize + DeserializeOwned + 'static
     /// A model as [`Default`] makes it, which may keep tables that this one has built already, if nothing that comes
     /// out of it depends on whether it has them. A reset and each initialisation begin with it, so that a sweep
     /// doesn't build the same tables for each of its runs.
-    fn renewed(&self) -> Self {
+    fn renewed(self) -> Self {
         Self::default()
     }
 

@@ -249,8 +249,8 @@ impl Model for Camera {
         Dependencies { while_stepping, at_start: None }
     }
 
-    fn renewed(&self) -> Self {
-        Self { workshop: self.workshop.clone(), ..Self::default() }
+    fn renewed(self) -> Self {
+        Self { workshop: self.workshop, ..Self::default() }
     }
 
     fn initialize(

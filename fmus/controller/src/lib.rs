@@ -143,8 +143,8 @@ impl Model for Controller {
         Dependencies { while_stepping, at_start: None }
     }
 
-    fn renewed(&self) -> Self {
-        Self { schedule: self.schedule.clone(), ..Self::default() }
+    fn renewed(self) -> Self {
+        Self { schedule: self.schedule, ..Self::default() }
     }
 
     fn initialize(

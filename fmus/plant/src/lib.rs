@@ -183,7 +183,7 @@ impl Model for Plant {
         derivative::dependencies(output)
     }
 
-    fn renewed(&self) -> Self {
+    fn renewed(self) -> Self {
         Self { places: self.places.renewed(), ..Self::default() }
     }
 

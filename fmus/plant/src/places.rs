@@ -34,11 +34,8 @@ impl Places {
     }
 
     /// Without the memory of parameters that have no table: the warning that says so must come again.
-    pub fn renewed(&self) -> Self {
-        Self {
-            now: self.now.as_ref().filter(|(_, place)| place.is_some()).cloned(),
-            before: self.before.clone(),
-        }
+    pub fn renewed(self) -> Self {
+        Self { now: self.now.filter(|(_, place)| place.is_some()), ..self }
     }
 
     fn change_to(&mut self, theta: &Theta, log: &mut dyn Log) {

@@ -275,7 +275,7 @@ fn every_theta_that_comes_back_has_the_z_it_had() {
     let mut z = |theta_9: f64, log: &mut Kept| {
         variables.parameters.theta_9 = theta_9;
         let experiment = Experiment { start: 0.0, stop: None, tolerance: None };
-        plant = plant.renewed();
+        plant = std::mem::take(&mut plant).renewed();
         plant.initialize(&mut variables, &experiment, log).unwrap();
         variables.outputs.place
     };

@@ -8,7 +8,7 @@ use super::outliers::excluded;
 use super::parameter_steps::first_step;
 use super::policy::DYNAMICS;
 use crate::error::{Error, Notice};
-use crate::infer::fit::At;
+use crate::infer::fit::{At, Linearise};
 use crate::infer::likelihood::maximise;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Noise, Sizes};
@@ -35,15 +35,20 @@ pub struct Built {
 }
 
 impl Built {
-    /// Path and noises at these parameters, before anything is fitted, and the runs about it without columns. Where runs were followed
-    /// already the path begins there.
+    /// Path and noises at these parameters, before anything is fitted, and the runs about it with a column for each of those that will be
+    /// `free`. Where runs were followed already the path begins there.
     ///
     /// # Errors
     /// A unit failed.
-    pub fn begin_fit(&mut self, theta: &[f64], known: &Trails) -> Result<(At, Vec<Linearised>), Error> {
+    pub fn begin_fit(
+        &mut self,
+        theta: &[f64],
+        known: &Trails,
+        free: &[usize],
+    ) -> Result<(At, Vec<Linearised>), Error> {
         let paths = self.engine.paths(theta, &self.noise, known)?;
         self.engine.calibrate(theta, &paths, &self.noise)?;
-        let runs = self.engine.chords(theta, &paths, &[])?;
+        let runs = self.engine.linearise(theta, &paths, free)?;
         let from = |share: &f64| {
             let process = self.noise.process.iter().map(|size| share * size).collect();
             maximise(&runs, &[], &Noise { process, ..self.noise.clone() }, &self.sizes)

@@ -255,7 +255,8 @@ impl RunAt<'_> {
         let (n, width) = (machine.order(), self.schedule.width);
         let outputs = |out: &[f64]| out[n..n + machine.channels.len()].to_vec();
         // the last row has no interval
-        if machine.reading == Reading::After || job.fed.is_empty() {
+        let jumps = job.fed.len() >= width && job.fed[..width] != job.at_row[..width];
+        if machine.reading == Reading::After || !jumps || machine.channels.iter().all(|own| !own.jumps) {
             return Ok(outputs(base));
         }
         let (mut at_row, mut out) = (job.at_row.to_vec(), Vec::new());

@@ -5,6 +5,7 @@ use super::port_parameters::port_parameters;
 use crate::error::Error;
 use crate::observe::{self, Affine, InputEffect, Nominal, OutputEffect, Problem, Scale, Series, VariableId};
 use crate::statistics::levels::FINE;
+use orchestrator::fmu::Causality;
 use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
 use std::time::Instant;
@@ -87,6 +88,8 @@ pub struct Output {
     pub channel: usize,
     /// What it is measured in, for people.
     pub unit: String,
+    /// It may follow an input at once, as far as its unit says.
+    pub jumps: bool,
 }
 
 /// A fed variable.
@@ -244,7 +247,8 @@ fn ports_of(problem: &Problem) -> (Vec<Input>, Vec<Output>) {
                 inputs.push(Input { name, variable, hold, channel, given, open: false, unit });
             }
             observe::Role::Compared => {
-                outputs.push(Output { name, variable, noise: channel.noise, channel: place, unit });
+                let jumps = follows_inputs(model, channel.variable);
+                outputs.push(Output { name, variable, noise: channel.noise, channel: place, unit, jumps });
             }
         }
     }
@@ -258,6 +262,16 @@ fn ports_of(problem: &Problem) -> (Vec<Input>, Vec<Output>) {
         unit: measured_in(own.variable),
     }));
     (inputs, outputs)
+}
+
+/// Whether an output may depend on an input of its unit, as the unit is begun or while it steps: where it says nothing, on all of them.
+fn follows_inputs(model: &Nominal, id: VariableId) -> bool {
+    let description = model.description(id.instance);
+    let on_input = |known: Option<&[usize]>| {
+        let is_input = |place: &usize| description.variables[*place].causality == Causality::Input;
+        known.is_none_or(|known| known.iter().any(is_input))
+    };
+    on_input(description.step_dependencies(id.place)) || on_input(description.initial_dependencies(id.place))
 }
 
 /// The states, each with the output that measures it, if one does.

@@ -1,7 +1,7 @@
 //! Instances of the units, and one interval on them: set the states, feed, step, read.
 
 use super::linearise::Engine;
-use super::machine::{Machine, Reference};
+use super::machine::{Input, Machine, Reference};
 use super::schedule::Piece;
 use crate::error::Error;
 use crate::statistics::levels::TASK;
@@ -20,7 +20,7 @@ pub struct Worker {
     pub resets: bool,
     /// Steps that were made.
     steps: usize,
-    /// References that are read in one call.
+    /// References that are read or set in one call.
     wanted: Vec<u32>,
 }
 
@@ -300,15 +300,23 @@ impl Worker {
         }
     }
 
-    fn feed(&mut self, machine: &Machine, values: &[f64]) -> Result<(), Error> {
-        for (input, value) in machine.inputs.iter().zip(values) {
-            let Reference { instance, reference, kind } = input.variable;
-            let instance = &mut self.instances[instance];
-            match kind {
-                Kind::Real => instance.set_real(&[reference], &[*value]),
-                _ => instance.set(reference, &typed(kind, *value)),
-            }
-            .map_err(failed)?;
+    fn feed(&mut self, machine: &Machine, mut values: &[f64]) -> Result<(), Error> {
+        let together = |a: &Input, b: &Input| {
+            let [a, b] = [a.variable, b.variable];
+            (a.kind, b.kind) == (Kind::Real, Kind::Real) && a.instance == b.instance
+        };
+        for inputs in machine.inputs.chunk_by(together) {
+            let (own, others) = values.split_at(inputs.len());
+            let Reference { instance, reference, kind } = inputs[0].variable;
+            let set = if kind == Kind::Real {
+                self.wanted.clear();
+                self.wanted.extend(inputs.iter().map(|input| input.variable.reference));
+                self.instances[instance].set_real(&self.wanted, own)
+            } else {
+                self.instances[instance].set(reference, &typed(kind, own[0]))
+            };
+            set.map_err(failed)?;
+            values = others;
         }
         Ok(())
     }

@@ -139,7 +139,7 @@ fn fit_one_run(
     let mut built = build(problem, &[run])?;
     let mut known = Trails::default();
     known.add(&studied.built.engine, &studied.fit.at.paths);
-    let (at, _) = built.begin_fit(begin, &known)?;
+    let (at, _) = built.begin_fit(begin, &known, &[])?;
     let fit = fit(&built.engine, &at, &[parameter], Some(&built.sizes), &Options::default())?;
     let residual = residual::judge_residual(&built.engine, &fit, &built.sizes, &studied.policy);
     let (effects, nominal, policy) = (vec![parameter], at.paths, studied.policy);

@@ -281,7 +281,7 @@ fn candidates(built: &Built, options: &Options) -> Vec<usize> {
 
 /// The nominal model fitted: path and noises only.
 pub(super) fn fit_nominal(built: &mut Built, known: &Trails) -> Result<Fit, Error> {
-    let (at, runs) = built.begin_fit(&built.engine.machine.neutral(), known)?;
+    let (at, runs) = built.begin_fit(&built.engine.machine.neutral(), known, &[])?;
     let mut fitted = fit_from(&built.engine, &at, runs, &[], Some(&built.sizes), &FitOptions::default())?;
     if built.engine.readmit(&fitted.at.theta, &fitted.runs, &fitted.at.noise) {
         fitted = fit(&built.engine, &fitted.at, &[], Some(&built.sizes), &FitOptions::default())?;

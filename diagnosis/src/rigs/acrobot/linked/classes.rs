@@ -41,7 +41,7 @@ pub fn weigh_linked_classes(
     };
     let linked = Linked::of(data, model, list, &study.last.point, &sigma);
     let Ok(Some(mut linked)) = linked else { return };
-    let Ok((start, _)) = linked.first_path(&study.last.point) else { return };
+    let Ok((start, _)) = linked.first_path(&study.last.point, &[]) else { return };
     for (effect, class) in classes.iter_mut().filter(|(effect, class)| is_open(*effect, class, list)) {
         if watch.is_over("the comparison of names that look alike") {
             return;

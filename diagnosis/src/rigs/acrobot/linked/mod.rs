@@ -101,20 +101,17 @@ impl<'a> Linked<'a> {
         theta
     }
 
-    /// Path and noises at a point before anything is fitted, and the runs about that path.
-    fn first_path(&mut self, point: &[f64]) -> Result<(At, Vec<Linearised>), Error> {
+    /// Path and noises at a point before anything is fitted, and the runs about that path with columns of the parameters that are `free`.
+    fn first_path(&mut self, point: &[f64], free: &[usize]) -> Result<(At, Vec<Linearised>), Error> {
         let theta = self.theta(point);
-        self.built.begin_fit(&theta, &Trails::default())
+        self.built.begin_fit(&theta, &Trails::default(), free)
     }
 
     /// The effects that are on fitted at a point, with the path and the noises.
     fn fitted_anew(&mut self, point: &[f64], active: &[usize]) -> Result<Fit, Error> {
-        let (start, runs) = self.first_path(point)?;
-        let sizes = Some(&self.built.sizes);
-        match self.free(active)[..] {
-            [] => fit_from(&self.built.engine, &start, runs, &[], sizes, &OPTIONS),
-            _ => self.fitted(&start, point, active, sizes),
-        }
+        let free = self.free(active);
+        let (start, runs) = self.first_path(point, &free)?;
+        fit_from(&self.built.engine, &start, runs, &free, Some(&self.built.sizes), &OPTIONS)
     }
 
     /// The candidates `free` fitted, with the path, from `start` on at `point`; and with the sizes of the noises, unless they are held.

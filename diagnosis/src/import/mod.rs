@@ -5,6 +5,7 @@
 //! - `table.rs`: where its table begins and ends
 //! - `cells.rs`: numbers and words for what is missing
 //! - `timestamps.rs`: dates and times of day
+//! - `joined.rs`: rows of one time
 //! - `times.rs`: which column is the time
 //! - `sheet.rs`: its columns, with names, units and numbers
 //! - `heads.rs`: a column's name and unit
@@ -24,6 +25,7 @@ mod cells;
 mod draft;
 mod heads;
 mod idle_parameters;
+mod joined;
 mod matching;
 mod policy;
 mod settle;

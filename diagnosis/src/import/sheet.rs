@@ -160,6 +160,7 @@ impl Sheet {
         sheet.with_clock(&records, &mut kinds)?;
         sheet.without_words(&kinds)?;
         sheet.check_numbers(&named)?;
+        sheet.join_rows();
         if sheet.rows.len() < 3 {
             let problem = format!("{} rows: too few to compare", sheet.rows.len());
             return Err(sheet.wrong(sheet.lines.0, problem));

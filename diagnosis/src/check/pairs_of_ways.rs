@@ -28,7 +28,12 @@ pub(super) fn doubt(problem: &Problem, own: &Residual) -> Option<Doubt> {
     });
     let mut glanced: Vec<(Residual, Pair)> = glanced.collect();
     glanced.sort_by(|(a, _), (b, _)| a.excess.total_cmp(&b.excess));
-    let judged = glanced.into_iter().take(DOUBTS.pairs).filter_map(|(_, pair)| both(problem, pair));
+    let judged = glanced.into_iter().take(DOUBTS.pairs).flat_map(|(_, pair)| {
+        let others = other_signs(problem, &pair);
+        let both = both(problem, pair);
+        let mirrored = both.as_ref().and_then(|(left, _)| mirrored(problem, others?, left));
+        mirrored.into_iter().chain(both)
+    });
     let (best, others) = nearest(judged.collect())?;
     Some(describe_doubt(&best.1, &others.iter().collect::<Vec<_>>(), Some((best.0, *own))))
 }
@@ -88,6 +93,22 @@ fn both(problem: &Problem, pair: Pair) -> Option<(Residual, Way)> {
     Some((left, Way { what, add, line: first.line.min(second.line), ..second }))
 }
 
+/// The sign of the channel beside two signs, if there is one.
+fn other_signs(problem: &Problem, (first, second): &Pair) -> Option<Way> {
+    let turned = [first, second].map(|way| way.channels(problem)).concat();
+    let is_other = |way: &Way| way.channels(problem).iter().all(|name| !turned.contains(name));
+    let beside = || ways::signs(problem).into_iter().filter(is_other);
+    let both = first.is_sign() && second.is_sign() && problem.channels.len() == turned.len() + 1;
+    beside().next().filter(|_| both)
+}
+
+/// The one sign, if the model follows the logs with it as well as with the two others: a machine that does the opposite where all is turned does,
+/// and one sign is the simpler story.
+fn mirrored(problem: &Problem, one: Way, left: &Residual) -> Option<(Residual, Way)> {
+    let there = residual(&one.read(problem), &DOUBTS.long);
+    there.is_near(left.excess).then_some((there, one))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,5 +140,32 @@ mod tests {
         let one = asked("one", [-degrees, 1.0], says).expect("neither alone will do");
         let line = format!("scale = {}", -1f64.to_radians());
         assert!(one.add.contains(&line) && one.add.matches("Write in").count() == 1, "{}", one.add);
+    }
+
+    #[test]
+    fn law_one_sign_is_told_before_two_that_do_the_same() {
+        let mut problem = crate::dynamics::tests::swung("mirrored", 400);
+        let sign = |name: &str, problem: &Problem| {
+            let all = ways::signs(problem).into_iter();
+            let mut own = all.filter(|way| way.channels(problem) == [format!("acrobot_plant.{name}")]);
+            own.next().expect("it is a channel")
+        };
+        let angles = ["q1", "q2"].map(|name| sign(name, &problem));
+        let torque = sign("tau", &problem);
+        // a torque that is felt, and what the model does with it
+        let place =
+            problem.channels.iter().position(|own| own.name == "acrobot_plant.tau").expect("it is fed");
+        problem.runs[0].series[place].values.iter_mut().for_each(|value| *value *= 100.0);
+        let problem = crate::dynamics::tests::simulated(problem);
+        let pair: Pair = (angles[0].clone(), angles[1].clone());
+        assert_eq!(other_signs(&problem, &pair), Some(torque.clone()));
+        // beside another unit there is none
+        let unit = ways::single(&problem).into_iter().find(|way| !way.is_sign()).expect("logs have units");
+        assert_eq!(other_signs(&problem, &(angles[0].clone(), unit)), None);
+        // the pendulum hangs: where it is turned round with its torque it swings as it did
+        let turned = read(&problem, &pair);
+        let left = residual(&problem, &DOUBTS.long);
+        assert_eq!(mirrored(&turned, torque.clone(), &left).map(|(_, way)| way), Some(torque.clone()));
+        assert_eq!(mirrored(&problem, torque, &left), None);
     }
 }

@@ -63,7 +63,7 @@ impl Residual {
     }
 
     /// Whether it can't be told from the one that leaves least.
-    fn is_near(&self, least: f64) -> bool {
+    pub(super) fn is_near(&self, least: f64) -> bool {
         self.excess <= DOUBTS.same * least
     }
 

@@ -36,16 +36,16 @@ pub(super) fn read(problem: &Problem) -> Result<Problem, Error> {
     let (mut likelier, words) = match told(by) {
         Told::Before => (
             before.1,
-            format!("rows were read before the row's inputs acted, which is likelier by {by:.0} of deviance"),
+            format!("rows were read before the row's inputs acted, which lowers the deviance by {by:.0}"),
         ),
         Told::After => (
             after.1,
-            format!("rows were read with the row's own inputs, which is likelier by {:.0} of deviance", -by),
+            format!("rows were read with the row's own inputs, which lowers the deviance by {:.0}", -by),
         ),
         Told::Neither => (
             after.1,
             format!(
-                "the logs don't tell whether rows were read before or after that ({:.0} of deviance): taken as after",
+                "the logs don't tell whether rows were read before or after that (the deviances differ by {:.0}): taken as after",
                 by.abs()
             ),
         ),

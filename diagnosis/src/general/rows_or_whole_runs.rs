@@ -42,14 +42,11 @@ pub(super) fn choose_way(problem: &Problem) -> Result<Problem, Error> {
         // one run is example enough of what no longer matters
         told.truncate(1);
         let by = rows - runs;
-        let by = if by.is_finite() {
-            format!("is likelier by {by:.0} of deviance")
-        } else {
-            "can be followed".into()
-        };
+        let by =
+            if by.is_finite() { format!("lowers the deviance by {by:.0}") } else { "can be followed".into() };
         format!("each run is simulated whole from its start instead, which {by}")
     } else if runs.is_finite() {
-        format!("whole runs from their starts are less likely by {:.0} of deviance", runs - rows)
+        format!("whole runs from their starts have a deviance that is higher by {:.0}", runs - rows)
     } else if let Some(why) = refused {
         format!("whole runs from their starts can't be followed: {why}")
     } else {

@@ -1,7 +1,7 @@
 //! What looks odd in a data set and is no proof: notices before anything is fitted, each with what would be right.
 
 use super::held_over;
-use super::lines::along_lines;
+use super::lines::{Runs, Smooth, along_lines};
 use super::policy::DOUBTS;
 use super::stuck::alternates;
 use crate::error::Notice;
@@ -108,13 +108,23 @@ fn is_whole(steps: f64) -> bool {
     steps.round() >= 1.0 && (steps - steps.round()).abs() <= DOUBTS.apart
 }
 
-/// Inputs that are read as held and run along lines: the model follows the logs far better so.
+/// Inputs that are read as held and run along lines, or were logged a row late: the model follows the logs far better so.
 fn held_ramps(problem: &Problem) -> Vec<Notice> {
-    let told = |(place, times): (usize, f64)| {
+    let told = |Smooth { place, runs, times }: Smooth| {
         let Channel { column, name, line, .. } = &problem.channels[place];
+        let (other, mend) = match runs {
+            Runs::Lines => (
+                "along lines between its rows",
+                "If the input did not jump at each row, write hold = \"linear\" in its [[channel]]",
+            ),
+            Runs::Late => (
+                "with its rows one row earlier",
+                "If it was logged a row late, move this column up by 1 row against the others in the logs",
+            ),
+        };
         let message = format!(
-            "column {column:?} ({name}) runs smoothly and is read as held from row to row; along lines between its rows the model leaves {} times \
-             less than that of the logs. If the input did not jump at each row, write hold = \"linear\" in its [[channel]]",
+            "column {column:?} ({name}) runs smoothly and is read as held from row to row; {other} the model leaves {} times less than that of the \
+             logs. {mend}",
             brief(times)
         );
         notice(*line, message)
@@ -209,6 +219,12 @@ mod tests {
             message.contains("(acrobot_plant.tau)") && message.contains("hold = \"linear\""),
             "{message}"
         );
-        assert_eq!(held_ramps(&simulated(problem)), [], "it was held");
+        let mut held = simulated(problem);
+        assert_eq!(held_ramps(&held), [], "it was held");
+        let row = held.row();
+        held.runs[0].series[0].time.iter_mut().for_each(|time| *time += row);
+        let found = held_ramps(&held);
+        let message = &found.first().expect("a row late").message;
+        assert!(message.contains("up by 1 row") && !message.contains("linear"), "{message}");
     }
 }

@@ -4,7 +4,7 @@
 
 use super::nearer::Reading;
 use super::policy::DOUBTS;
-use super::readings::residual;
+use super::readings::{Residual, residual};
 use super::ways::{list, named};
 use crate::observe::{Hold, Problem, Role, Series};
 use crate::statistics::levels::FEW;
@@ -29,26 +29,70 @@ fn with_lines(problem: &Problem, places: &[usize]) -> Problem {
     other
 }
 
-/// Inputs with which along lines the nominal model follows the logs, and far worse as they are held: place, and how many times as much is left. Where
-/// none does so by itself, all of them together.
-pub(crate) fn along_lines(problem: &Problem) -> Vec<(usize, f64)> {
+/// How an input runs between rows, and not as it is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Runs {
+    /// Along lines.
+    Lines,
+    /// Held from row to row, and logged a row late: along lines it acts half a row early, which is nearer than a whole row late.
+    Late,
+}
+
+/// An input that the nominal model follows the logs with where it is read otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Smooth {
+    /// Its channel.
+    pub place: usize,
+    /// How it runs.
+    pub runs: Runs,
+    /// How many times as much is left as it is read.
+    pub times: f64,
+}
+
+/// Inputs that run smoothly and with which, read otherwise, the nominal model follows the logs, and far worse as they are held. Where none does so by
+/// itself, all of them together.
+pub(crate) fn along_lines(problem: &Problem) -> Vec<Smooth> {
     let places = held_and_smooth(problem);
     if places.is_empty() {
         return Vec::new();
     }
     let own = residual(problem, &DOUBTS.long);
-    let times_better = |places: &[usize]| {
+    let better = |places: &[usize]| {
         let lines = residual(&with_lines(problem, places), &DOUBTS.long);
-        let better = lines.share.is_none_or(|share| share < DOUBTS.right) && own.is_worse(&lines);
-        better.then(|| own.excess / lines.excess.max(1.0))
+        let follows = |residual: &Residual| {
+            residual.share.is_none_or(|share| share < DOUBTS.right) && own.is_worse(residual)
+        };
+        if !follows(&lines) {
+            return None;
+        }
+        let late = residual(&a_row_earlier(problem, places), &DOUBTS.long);
+        let (runs, left) = match follows(&late) && lines.is_worse(&late) {
+            true => (Runs::Late, late),
+            false => (Runs::Lines, lines),
+        };
+        Some((runs, own.excess / left.excess.max(1.0)))
     };
-    let each = places.iter().filter_map(|place| Some((*place, times_better(&[*place])?)));
-    let told: Vec<(usize, f64)> = each.collect();
+    let smooth = |place: usize, (runs, times): (Runs, f64)| Smooth { place, runs, times };
+    let each = places.iter().filter_map(|place| Some(smooth(*place, better(&[*place])?)));
+    let told: Vec<Smooth> = each.collect();
     if !told.is_empty() || places.len() == 1 {
         return told;
     }
-    let all = times_better(&places);
-    all.map_or(Vec::new(), |by| places.into_iter().map(|place| (place, by)).collect())
+    let all = better(&places);
+    all.map_or(Vec::new(), |all| places.into_iter().map(|place| smooth(place, all)).collect())
+}
+
+/// The same with the columns of these inputs moved up by one row; the last one stays.
+fn a_row_earlier(problem: &Problem, places: &[usize]) -> Problem {
+    let mut other = problem.clone();
+    for run in &mut other.runs {
+        for place in places {
+            let values = &mut run.series[*place].values;
+            let rows = values.len();
+            values.copy_within(1.min(rows).., 0);
+        }
+    }
+    other
 }
 
 /// Inputs that run smoothly and are read as held since nobody says how they run.

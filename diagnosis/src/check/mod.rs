@@ -35,7 +35,7 @@ mod ways;
 mod wrapped;
 
 pub(crate) use hints::hinted;
-pub(crate) use lines::{along_lines, lines, may_be_lines};
+pub(crate) use lines::{Runs, along_lines, lines, may_be_lines};
 pub(crate) use nearer::{Reading, nearer, unit_of_ratio};
 pub(crate) use policy::STRETCH;
 pub(crate) use readings::{Signs, signs, too_long_times};

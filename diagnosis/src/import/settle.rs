@@ -5,7 +5,7 @@ use super::sheet::Sheet;
 use super::slow::Pace;
 use super::write::{self, Found};
 use super::{Import, Match, instance};
-use crate::check::{along_lines, may_be_lines};
+use crate::check::{Runs, along_lines, may_be_lines};
 use crate::error::Error;
 use crate::general::likelier_lines;
 use crate::observe::{self, Hold, Problem};
@@ -45,6 +45,8 @@ const FOLLOWS: &str =
     "along lines between rows: it runs smoothly, and held from row to row the model follows the logs worse";
 const LINES: &str = "along lines between rows: it runs smoothly, and held from row to row the logs are less likely, whatever the model lacks";
 const HELD: &str = "held from row to row: it runs smoothly, and along lines the logs are less likely, whatever the model lacks";
+const LATE: &str = "held from row to row, and perhaps logged a row late: it runs smoothly, and with this column one row earlier the logs are followed better \
+                    than along lines. Move the column up by 1 row against the others if it was written after what it did";
 const OPEN: &str =
     "held from row to row; it runs smoothly: write hold = \"linear\" if it did not jump at each row";
 
@@ -52,20 +54,22 @@ const OPEN: &str =
 /// finds beside what the model lacks.
 fn held(problem: &Problem, unit: &Fmu, matches: &[Match], pace: &Pace) -> Vec<Match> {
     let problem = Problem { deadline: Some(Instant::now() + pace.patience()), ..problem.clone() };
-    let lines: Vec<String> = along_lines(&problem.as_it_is())
+    let told: Vec<(String, Runs)> = along_lines(&problem.as_it_is())
         .into_iter()
-        .map(|(place, _)| problem.channels[place].name.clone())
+        .map(|smooth| (problem.channels[smooth.place].name.clone(), smooth.runs))
         .collect();
     let smooth = may_be_lines(&problem);
     let searched = Problem { deadline: Some(Instant::now() + Pace::patience_of_search()), ..problem };
-    let likelier = if lines.is_empty() { likelier_lines(&searched) } else { None };
+    let likelier = if told.is_empty() { likelier_lines(&searched) } else { None };
     let mut matches = matches.to_vec();
     for matched in &mut matches {
         let name = format!("{}.{}", instance(unit), unit.description().variables[matched.variable].name);
-        let (hold, why) = match (lines.contains(&name), smooth.contains(&name), likelier) {
-            (true, ..) => (Some(Hold::Linear), FOLLOWS),
+        let own = told.iter().find(|(known, _)| *known == name).map(|(_, runs)| *runs);
+        let (hold, why) = match (own, smooth.contains(&name), likelier) {
+            (Some(Runs::Lines), ..) => (Some(Hold::Linear), FOLLOWS),
             (_, true, Some(true)) => (Some(Hold::Linear), LINES),
             (_, true, Some(false)) => (Some(Hold::Zero), HELD),
+            (Some(Runs::Late), ..) => (Some(Hold::Zero), LATE),
             (_, true, None) => (None, OPEN),
             _ => continue,
         };

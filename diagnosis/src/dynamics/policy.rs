@@ -49,7 +49,8 @@ pub(super) struct Dynamics {
     /// A stretch in which an input is unknown is so many pieces at most, in each of which it may have been another: more than most units
     /// have states that remember it.
     pub lost_pieces: usize,
-    /// Reads of a lagged channel within an interval: y may bend there.
+    /// Reads of a lagged channel within an interval, which runs along lines between them: with three a current that settles within two rows, behind a lag as
+    /// short, had a gain of 1.001 as well.
     pub lag_reads: usize,
     /// Two ends of a row that differ by this share of the state's size lie apart: solvers that begin anew differ by far less.
     pub apart: f64,
@@ -87,7 +88,7 @@ pub(super) const DYNAMICS: Dynamics = Dynamics {
     missing: 1.8,
     seldom: SMALL,
     lost_pieces: FEW,
-    lag_reads: FEW,
+    lag_reads: FAR as usize,
     apart: STEP,
     drifts: HALF,
     watched: SAMPLE,

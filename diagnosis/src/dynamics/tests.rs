@@ -136,8 +136,8 @@ fn law_timestamps_that_are_late_are_a_delay_of_what_is_fed() {
 }
 
 #[test]
-fn value_a_sensor_that_lags_is_read_at_the_quarters_of_an_interval() {
-    let problem = pendulum("quarters", 10);
+fn value_a_sensor_that_lags_is_read_at_the_elevenths_of_an_interval() {
+    let problem = pendulum("elevenths", 10);
     let built = built(&problem);
     let machine = &built.engine.machine;
     let mut theta = machine.neutral();
@@ -145,9 +145,9 @@ fn value_a_sensor_that_lags_is_read_at_the_quarters_of_an_interval() {
     let schedule = Schedule::new(machine, &built.engine.grids[0], &theta);
     for row in &schedule.inner {
         let times: Vec<f64> = row[0].iter().map(|(time, _)| time / ROW).collect();
-        // a course between them is off its line by 1/16 of what it bends by over the row
-        assert_eq!(times.len(), 3, "{times:?}");
-        let off = times.iter().zip([0.25, 0.5, 0.75]).map(|(time, quarter)| (time - quarter).abs());
+        // a course between them is off its line by 1/121 of what it bends by over the row
+        assert_eq!(times.len(), 10, "{times:?}");
+        let off = times.iter().zip(1..).map(|(time, part)| (time - f64::from(part) / 11.0).abs());
         // times of a log of a second, rounded, in rows
         assert!(off.fold(0.0, f64::max) < 1e-12, "{times:?}");
     }

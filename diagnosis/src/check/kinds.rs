@@ -3,8 +3,9 @@
 //! Flows of one plant are logged in one unit. Where that isn't the one that is said, no column alone read otherwise lets the model follow, and
 //! a unit may fail as they are read, so that pairs aren't looked at.
 
+use super::units::units;
 use super::ways::named;
-use super::ways::{Change, Way, fed_and_compared, list, numbers, then, times_log, units, written};
+use super::ways::{Change, Way, fed_and_compared, list, numbers, then, times_log, written};
 use crate::observe::{Affine, Problem, measure};
 use crate::statistics::levels::ROUNDING;
 

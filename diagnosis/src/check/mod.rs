@@ -10,7 +10,8 @@
 //! - `readings.rs`: the model follows the logs when they are read otherwise, and not as they are
 //! - `by_inputs.rs`: and what it is fed has a say in that
 //! - `pairs_of_ways.rs`: in two ways at once, where one alone doesn't help
-//! - `ways.rs`: how else they can be read: units of measurement, signs, exchanged columns
+//! - `ways.rs`: how else they can be read: signs, exchanged columns
+//! - `units.rs`: other units of measurement
 //! - `times.rs`: of these, units of time
 //! - `kinds.rs`: of these, rates per minute or hour, and columns of one kind alike
 //! - `lines.rs`: inputs that run along lines between rows and are read as held
@@ -31,6 +32,7 @@ mod policy;
 mod readings;
 mod stuck;
 mod times;
+mod units;
 mod ways;
 mod wrapped;
 

@@ -4,6 +4,7 @@
 
 use super::policy::DOUBTS;
 use super::readings::{Residual, left_of_channels};
+use super::units;
 use super::ways::{self, Change, Way};
 use crate::dynamics::stretch::{Glance, Left};
 use crate::observe::{Affine, Problem};
@@ -57,7 +58,7 @@ pub(crate) fn nearer(problem: &Problem) -> Vec<Reading> {
 fn tried(problem: &Problem) -> Vec<Way> {
     let mut all = ways::signs(problem);
     all.extend(earlier(problem));
-    all.extend((0..problem.channels.len()).flat_map(|place| ways::units(problem, place)));
+    all.extend((0..problem.channels.len()).flat_map(|place| units::units(problem, place)));
     let turned = ways::signs(problem).into_iter().filter_map(|sign| match &sign.change {
         Change::Values(by) if by.len() == 1 => Some((by[0].0, sign)),
         _ => None,
@@ -73,7 +74,7 @@ fn tried(problem: &Problem) -> Vec<Way> {
             what: format!("{} and {}", sign.what, unit.what),
             ..unit
         };
-        all.extend(ways::units(&sign.read(problem), place).into_iter().map(both));
+        all.extend(units::units(&sign.read(problem), place).into_iter().map(both));
     }
     all
 }
@@ -133,7 +134,7 @@ fn ranked(mut judged: Vec<(f64, Way)>) -> Vec<Way> {
 /// The unit of a channel's column in which its values are so many times as large as they are read.
 pub(crate) fn unit_of_ratio(problem: &Problem, place: usize, ratio: f64, within: f64) -> Option<Reading> {
     let is_it = |by: &Affine| (by.scale / ratio - 1.0).abs() <= within;
-    let ways = ways::units(problem, place).into_iter();
+    let ways = units::units(problem, place).into_iter();
     let mut fits = ways.filter(|way| matches!(&way.change, Change::Values(by) if by.iter().all(|(_, by)| by.offset == 0.0 && is_it(by))));
     fits.next().map(|way| reading(&way, problem))
 }

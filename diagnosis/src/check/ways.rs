@@ -1,12 +1,11 @@
-//! How else logs can be read: the other unit of time, of measurement, the other sign, the other column.
+//! How else logs can be read: the other unit of time, of measurement (`units.rs`), the other sign, the other column.
 
 use super::kinds;
 use super::policy::DOUBTS;
-use crate::observe::{Affine, Channel, Problem, Role, measure};
+use super::units::{together, units};
+use crate::observe::{Affine, Channel, Problem, Role};
 use crate::ports::PORTS;
 use crate::statistics::levels::ROUNDING;
-use crate::text::brief;
-use std::f64::consts::PI;
 
 /// What is otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,28 +32,6 @@ pub(super) struct Way {
     /// Whether its own number must be the best one, however extreme it is: of many factors, one is near what a machine lacks.
     pub(super) exact: bool,
 }
-
-/// Units that logs are written in, beside the model's own and those with a prefix.
-const USUAL: [&str; 24] = [
-    "degC", "degF", "deg", "deg/s", "rpm", "km/h", "cm", "bar", "%", "K", "mm", "mN.m", "mA.h", "W.h", "l",
-    "g", "inch", "ft", "lbf", "psi", "mile/h", "l/s", "l/min", "m3/h",
-];
-/// Prefixes that loggers put before the model's unit.
-const PREFIXES: [&str; 4] = ["m", "k", "u", "M"];
-/// Factors of a variable, and the unit that its description must name, or none: prefixes, and what logs have in place of what models count in.
-const FACTORS: [(f64, &str, &str); 11] = [
-    (1e3, "", ""),
-    (1e-3, "", ""),
-    (1e6, "", ""),
-    (1e-6, "", ""),
-    (1e-2, " (% or cm)", ""),
-    (1e2, "", ""),
-    (PI / 180.0, " (deg in place of rad)", ""),
-    (180.0 / PI, " (rad in place of deg)", ""),
-    (9.80665, " (g in place of m/s2)", ""),
-    (PI / 30.0, " (rpm in place of rad/s)", ""),
-    (1e-2, " (a grade in %)", "rad"),
-];
 
 impl Way {
     /// The data set read in this way.
@@ -216,7 +193,7 @@ pub(super) fn written(channel: &Channel, line: &str) -> String {
     )
 }
 
-fn all_written<'a>(lines: impl Iterator<Item = (&'a Channel, String)>) -> String {
+pub(super) fn all_written<'a>(lines: impl Iterator<Item = (&'a Channel, String)>) -> String {
     lines.map(|(channel, line)| written(channel, &line)).collect::<Vec<_>>().join(". ")
 }
 
@@ -260,86 +237,6 @@ pub(super) fn named(channel: &Channel) -> String {
     format!("{} (column {:?})", channel.name, channel.column)
 }
 
-/// From what is said of a channel to a unit of measurement.
-fn to_unit(problem: &Problem, place: usize, unit: &str) -> Option<Affine> {
-    let channel = &problem.channels[place];
-    let variable = problem.model.variable(channel.variable);
-    let own = channel.conversion;
-    let found =
-        measure::conversion(unit, variable, problem.model.description(channel.variable.instance)).ok()?;
-    let found = if own.scale < 0.0 { Affine { scale: -found.scale, offset: found.offset } } else { found };
-    let by = Affine {
-        scale: found.scale / own.scale,
-        offset: found.offset - found.scale / own.scale * own.offset,
-    };
-    let same = (by.scale - 1.0).abs() < ROUNDING && by.offset.abs() < ROUNDING * own.scale.abs();
-    (!same).then_some(by)
-}
-
-fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
-    let channel = |place: &usize| &problem.channels[*place];
-    let lines = found.iter().map(|(place, by, unit)| {
-        let to = then(channel(place).conversion, *by);
-        let line = if to.scale < 0.0 { numbers(to) } else { format!("unit = \"{unit}\"") };
-        (channel(place), line)
-    });
-    let said = found.iter().map(|(place, _, unit)| format!("{} in {unit}", named(channel(place))));
-    Way {
-        change: Change::Values(found.iter().map(|(place, by, _)| (*place, *by)).collect()),
-        line: channel(&found[0].0).line,
-        what: list(said),
-        add: all_written(lines),
-        exact: false,
-    }
-}
-
-/// The units that one channel may be written in.
-pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
-    let channel = &problem.channels[place];
-    let variable = problem.model.variable(channel.variable);
-    let way = |(factor, why, _): &(f64, &str, &str)| {
-        let by = times_log(channel, *factor);
-        Way {
-            change: Change::Values(vec![(place, by)]),
-            line: channel.line,
-            what: format!("{} times {}{why}", named(channel), brief(*factor)),
-            add: written(channel, &numbers(then(channel.conversion, by))),
-            exact: false,
-        }
-    };
-    let Some(own) = variable.unit.as_deref().filter(|own| !own.is_empty()) else {
-        return FACTORS.iter().filter(|(_, _, of)| of.is_empty()).map(way).collect();
-    };
-    let prefixed: Vec<String> = PREFIXES.iter().map(|prefix| format!("{prefix}{own}")).collect();
-    let names = USUAL.into_iter().chain(prefixed.iter().map(String::as_str)).chain([own]);
-    let mut found: Vec<(usize, Affine, &str)> = Vec::new();
-    for name in names {
-        let Some(by) = to_unit(problem, place, name) else { continue };
-        let same = |(_, known, _): &(usize, Affine, &str)| {
-            (known.scale / by.scale - 1.0).abs() < ROUNDING && (known.offset - by.offset).abs() < ROUNDING
-        };
-        if !found.iter().any(same) {
-            found.push((place, by, name));
-        }
-    }
-    let is_known = |(factor, ..): &&(f64, &str, &str)| {
-        let same = |by: &Affine| by.offset == times_log(channel, *factor).offset;
-        found.iter().any(|(_, by, _)| (by.scale / factor - 1.0).abs() < ROUNDING && same(by))
-    };
-    let own_kind = FACTORS.iter().filter(|(_, _, of)| *of == own);
-    let bare = FACTORS[..2].iter().chain(own_kind).filter(|factor| !is_known(factor)).map(way);
-    let in_units = found.iter().map(|one| in_unit(problem, std::slice::from_ref(one)));
-    in_units.chain(bare).chain(kinds::rates(problem, place)).collect()
-}
-
-/// All of these channels that are of one kind in another unit: all angles in degrees.
-fn together(problem: &Problem, places: &[usize], names: &[&'static str]) -> Option<Way> {
-    let of =
-        |place: &usize| names.iter().find_map(|name| Some((*place, to_unit(problem, *place, name)?, *name)));
-    let found: Vec<(usize, Affine, &str)> = places.iter().filter_map(of).collect();
-    (found.len() > 1).then(|| in_unit(problem, &found))
-}
-
 fn columns(problem: &Problem, a: usize, b: usize) -> Way {
     let (one, two) = (&problem.channels[a], &problem.channels[b]);
     Way {
@@ -357,23 +254,6 @@ fn columns(problem: &Problem, a: usize, b: usize) -> Way {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::tests::swung;
-
-    #[test]
-    fn value_an_angle_may_be_a_grade_and_a_torque_not() {
-        let problem = swung("grade", 60);
-        let grades = |name: &str| {
-            let place = problem.channels.iter().position(|channel| channel.name.ends_with(name));
-            let all = units(&problem, place.expect("it is logged"));
-            all.into_iter()
-                .filter(|way| way.what.contains("a grade in %"))
-                .map(|way| way.add)
-                .collect::<Vec<_>>()
-        };
-        let angle = grades(".q2");
-        assert!(angle.len() == 1 && angle[0].contains("scale = 0.01"), "{angle:?}");
-        assert!(grades(".tau").is_empty());
-    }
 
     #[test]
     fn value_all_pairs_of_eight_columns_are_tried_and_no_more() {

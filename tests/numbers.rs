@@ -26,7 +26,7 @@ const OTHER: [(&str, &str, &str); 17] = [
     ("rigs/acrobot/experiment/catalogue.rs", "", "what a lab can do, as data"),
     ("design/waves.rs", "LEVELS", "what a lab can do, as data"),
     ("design/waves.rs", "SHAPES", "what a lab can do, as data"),
-    ("check/ways.rs", "FACTORS", "units of measurement"),
+    ("check/units.rs", "FACTORS", "units of measurement"),
     ("observe/clock.rs", "", "what a format of time is"),
     ("rigs/acrobot/dataset/table.rs", "DAY", "seconds"),
     ("rigs/acrobot/dataset/stated_log.rs", "KEYS", "units of measurement"),

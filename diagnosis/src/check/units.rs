@@ -45,7 +45,7 @@ fn to_unit(problem: &Problem, place: usize, unit: &str) -> Option<Affine> {
     (!same).then_some(by)
 }
 
-pub(super) fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
+fn in_unit(problem: &Problem, found: &[(usize, Affine, &str)]) -> Way {
     let channel = |place: &usize| &problem.channels[*place];
     let lines = found.iter().map(|(place, by, unit)| {
         let to = then(channel(place).conversion, *by);
@@ -98,25 +98,26 @@ pub(super) fn units(problem: &Problem, place: usize) -> Vec<Way> {
     let own_kind = FACTORS
         .iter()
         .filter(|(_, _, of)| *of == own)
-        .map(|(factor, why, _)| counted(problem, place, *factor, why));
+        .filter_map(|(factor, why, _)| counted(problem, place, *factor, why));
     let bare = FACTORS[..2].iter().filter(|factor| !is_known(factor)).map(way);
     let in_units = found.iter().map(|one| in_unit(problem, std::slice::from_ref(one)));
     in_units.chain(bare).chain(own_kind).chain(kinds::rates(problem, place)).collect()
 }
 
-/// The numbers of the log times a factor, whatever is said of their unit.
-fn counted(problem: &Problem, place: usize, factor: f64, why: &str) -> Way {
+/// The numbers of the log times a factor, whatever is said of their unit; nothing where they are read so.
+fn counted(problem: &Problem, place: usize, factor: f64, why: &str) -> Option<Way> {
     let channel = &problem.channels[place];
     let own = channel.conversion;
     let to = Affine { scale: factor.copysign(own.scale), offset: 0.0 };
     let by = Affine { scale: to.scale / own.scale, offset: -own.offset * to.scale / own.scale };
-    Way {
+    let same = (by.scale - 1.0).abs() < ROUNDING && by.offset == 0.0;
+    (!same).then(|| Way {
         change: Change::Values(vec![(place, by)]),
         line: channel.line,
         what: format!("{} times {}{why}", named(channel), brief(factor)),
         add: written(channel, &numbers(to)),
         exact: false,
-    }
+    })
 }
 
 /// All of these channels that are of one kind in another unit: all angles in degrees.
@@ -146,16 +147,17 @@ mod tests {
         let angle = grades(&problem, ".q2");
         assert!(angle.len() == 1 && angle[0].contains("scale = 0.01"), "{angle:?}");
         assert!(grades(&problem, ".tau").is_empty());
-        // of a column that is read in degrees, too
+        // of a column that is read in degrees, too, and of none that is read so
         let place = problem.channels.iter().position(|channel| channel.name.ends_with(".q2"));
-        let channel = &mut problem.channels[place.expect("it is logged")];
-        channel.conversion = Affine { scale: -PI / 180.0, offset: 0.0 };
-        let grade = units(&problem, place.expect("it is logged"))
-            .into_iter()
-            .find(|way| way.what.contains("a grade in %"));
-        let grade = grade.expect("an angle");
-        assert!(grade.add.ends_with("scale = -0.01"), "{}", grade.add);
-        let Change::Values(by) = &grade.change else { panic!("{grade:?}") };
-        assert!((by[0].1.scale - 0.572_957_795).abs() < 1e-9, "{by:?}");
+        let place = place.expect("it is logged");
+        problem.channels[place].conversion = Affine { scale: -PI / 180.0, offset: 0.0 };
+        assert!(grades(&problem, ".q2")[0].ends_with("scale = -0.01"));
+        let factor = |way: Way| match way.change {
+            Change::Values(by) => by[0].1.scale,
+            _ => f64::NAN,
+        };
+        assert!(units(&problem, place).into_iter().any(|way| (factor(way) - 0.572_957_795).abs() < 1e-9));
+        problem.channels[place].conversion = Affine { scale: 0.01, offset: 0.0 };
+        assert!(grades(&problem, ".q2").is_empty());
     }
 }

@@ -31,7 +31,7 @@ pub struct Verdict {
 }
 
 /// A number of a verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// What it is, e.g. `peak torque`.
     pub label: String,
@@ -39,6 +39,9 @@ pub struct Figure {
     pub value: Option<f64>,
     /// Physical unit; empty: none.
     pub unit: String,
+    /// How the value is written; with four significant digits, if nothing says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub written: Option<String>,
 }
 
 /// Where it comes from: enough to make it again and to tell whether the same came out.
@@ -123,7 +126,8 @@ impl Figure {
     /// The value with its unit.
     pub fn text(&self) -> String {
         let gap = if self.unit.is_empty() { "" } else { " " };
-        self.value.map_or_else(|| "none".to_owned(), |value| format!("{}{gap}{}", short(value), self.unit))
+        let written = |value| self.written.clone().unwrap_or_else(|| short(value));
+        self.value.map_or_else(|| "none".to_owned(), |value| format!("{}{gap}{}", written(value), self.unit))
     }
 }
 
@@ -260,10 +264,13 @@ mod tests {
 
     #[test]
     fn value_figures_and_programs_in_a_line() {
-        let figure = |value, unit: &str| Figure { label: "peak".into(), value, unit: unit.into() }.line();
-        assert_eq!(figure(Some(1.25), "N·m"), "peak 1.25 N·m");
-        assert_eq!(figure(Some(3.0), ""), "peak 3");
-        assert_eq!(figure(None, "N·m"), "peak none");
+        let figure =
+            |value, unit: &str| Figure { label: "peak".into(), value, unit: unit.into(), written: None };
+        assert_eq!(figure(Some(1.25), "N·m").line(), "peak 1.25 N·m");
+        assert_eq!(figure(Some(3.0), "").line(), "peak 3");
+        assert_eq!(figure(None, "N·m").line(), "peak none");
+        let close = Figure { written: Some("1.00054".into()), ..figure(Some(1.000_54), "") };
+        assert_eq!(close.line(), "peak 1.00054");
         let program = Program { name: "p".into(), version: "1".into(), commit: "abc".into() };
         assert_eq!(program.line(), "p 1, commit abc");
     }
@@ -287,7 +294,12 @@ mod tests {
         let verdict = Verdict {
             standing: Standing::Bad,
             words: "fell at t < 2 s".into(),
-            figures: vec![Figure { label: "peak".into(), value: Some(1.5), unit: "N·m".into() }],
+            figures: vec![Figure {
+                label: "peak".into(),
+                value: Some(1.5),
+                unit: "N·m".into(),
+                written: None,
+            }],
             notes: Vec::new(),
         };
         let program = Program { name: "p".into(), version: "1".into(), commit: "abc".into() };

@@ -128,6 +128,7 @@ impl Finished<'_> {
             label: figure.label.clone(),
             value: *value,
             unit: self.unit(figure),
+            written: None,
         });
         Verdict { standing, words, figures: figures.collect(), notes: self.notes(series) }
     }

@@ -77,7 +77,7 @@ fn verdict(tally: &Tally) -> Verdict {
     let count = |label: &str, value: usize| Figure {
         label: label.to_owned(),
         value: Some(value as f64),
-        unit: String::new(),
+        ..Figure::default()
     };
     let whole = tally.holding == tally.claims && tally.parts_holding == tally.parts;
     Verdict {

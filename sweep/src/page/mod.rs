@@ -83,7 +83,7 @@ fn verdict(plan: &Plan, columns: &Columns, counts: Counts) -> Verdict {
             figures.push(Figure {
                 label,
                 value: Some((never - failed.min(never)) as f64),
-                unit: String::new(),
+                ..Figure::default()
             });
         }
     }
@@ -101,6 +101,7 @@ fn verdict(plan: &Plan, columns: &Columns, counts: Counts) -> Verdict {
             label: format!("{which} {}", scalar.name),
             value,
             unit: unit.clone(),
+            written: None,
         }));
     }
     let standing = if failed == 0 { Standing::Plain } else { Standing::Bad };

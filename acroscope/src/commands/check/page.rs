@@ -70,7 +70,7 @@ fn verdict(looked: &Looked) -> Verdict {
     let figure = |label: &str, severity| Figure {
         label: label.to_owned(),
         value: Some(of(severity) as f64),
-        unit: String::new(),
+        ..Figure::default()
     };
     let figures = vec![
         figure("errors", Severity::Error),
@@ -79,9 +79,9 @@ fn verdict(looked: &Looked) -> Verdict {
         Figure {
             label: "rules looked at".to_owned(),
             value: Some(looked.rules().len() as f64),
-            unit: String::new(),
+            ..Figure::default()
         },
-        Figure { label: "rules not looked at".to_owned(), value: Some(left_out as f64), unit: String::new() },
+        Figure { label: "rules not looked at".to_owned(), value: Some(left_out as f64), ..Figure::default() },
     ];
     Verdict { standing, words, figures, notes: Vec::new() }
 }

@@ -9,6 +9,7 @@
 //! - `events.rs`: when it acted, where it is quiet between
 //! - `runs.rs`: whether runs differ by what has no name
 //! - `sensor.rs`: what a sensor shows that neither the model nor noise gives
+//! - `after_moves.rs`: what is left of an output that follows past moves of an input
 //! - `fit_given.rs`: a fit of what was asked for, in place of a search
 //! - `rows_left_out.rs`: which rows are searched, and which are left out for the gap
 //! - `mismatch.rs`: the gap on rows that nothing was fitted to
@@ -23,6 +24,7 @@
 //! - `blame.rs`: what most likely made a diagnosis fail
 //! - `policy.rs`: the numbers that decide, with their reasons
 
+mod after_moves;
 mod amended;
 mod blame;
 mod courses;

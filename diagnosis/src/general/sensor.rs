@@ -8,11 +8,12 @@ use super::policy::GENERAL;
 use super::residual::follows;
 use super::study::Studied;
 use crate::diagnosis::{RunTrace, Unknown};
+use crate::dynamics::machine::Output;
 use crate::infer::smooth;
 use crate::observe::Problem;
 
 /// Residuals of a channel, row by row: time, and value where the row has one.
-type Residuals = Vec<Vec<(f64, Option<f64>)>>;
+pub(super) type Residuals = Vec<Vec<(f64, Option<f64>)>>;
 
 /// The channel that is explained least, if one isn't.
 pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
@@ -33,23 +34,30 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     let (channel, times, residuals, apart) = judged.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let course: Vec<f64> = residuals.iter().flatten().map(|(_, value)| value.unwrap_or(0.0)).collect();
     let (depends_on, shape) = follows(&studied.built.engine, studied, &course);
-    let output = &machine.channels[channel];
-    let told = |residuals: &Vec<(f64, Option<f64>)>| -> Vec<[f64; 2]> {
-        residuals.iter().filter_map(|(time, value)| Some([*time, (*value)?])).collect()
-    };
-    let along = studied.built.engine.grids.iter().zip(&residuals);
-    let shown = problem.channels.iter().find(|shown| shown.name == output.name);
     Some(Unknown {
-        signal: format!("what {} shows", output.name),
         depends_on,
         shape,
         nearest: format!("no listed effect: {}", sharing(apart, times)),
-        trace: told(&residuals[0]),
-        traces: along.map(|(grid, own)| RunTrace { run: grid.name.clone(), trace: told(own) }).collect(),
+        ..told(problem, studied, &machine.channels[channel], &residuals)
+    })
+}
+
+/// Something without a name in what an output shows, with its course.
+pub(super) fn told(problem: &Problem, studied: &Studied, output: &Output, residuals: &Residuals) -> Unknown {
+    let course = |residuals: &Vec<(f64, Option<f64>)>| -> Vec<[f64; 2]> {
+        residuals.iter().filter_map(|(time, value)| Some([*time, (*value)?])).collect()
+    };
+    let along = studied.built.engine.grids.iter().zip(residuals);
+    let shown = problem.channels.iter().find(|shown| shown.name == output.name);
+    Unknown {
+        signal: format!("what {} shows", output.name),
+        trace: residuals.first().map_or_else(Vec::new, course),
+        traces: along.map(|(grid, own)| RunTrace { run: grid.name.clone(), trace: course(own) }).collect(),
         unit: shown
             .and_then(|shown| problem.model.variable(shown.variable).unit.clone())
             .unwrap_or_else(|| "1".into()),
-    })
+        ..Unknown::default()
+    }
 }
 
 /// Whether so many times what neighbours scatter by is more than sensors show.
@@ -57,7 +65,8 @@ fn is_larger(times: f64) -> bool {
     times > GENERAL.larger
 }
 
-fn residuals(studied: &Studied, channel: usize) -> Residuals {
+/// What is left of a channel beside the path.
+pub(super) fn residuals(studied: &Studied, channel: usize) -> Residuals {
     let noise = studied.residual.unlisted.as_ref().unwrap_or(&studied.fit.at.noise);
     let of = |run: &crate::infer::Linearised| -> Vec<(f64, Option<f64>)> {
         let (state, n) = (smooth(run, noise).state, run.states);

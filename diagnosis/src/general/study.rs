@@ -5,7 +5,9 @@ use super::mismatch::{HeldOut, Squares};
 use super::residual::{self, Residual};
 use super::rest::name_the_rest;
 use super::rows_left_out::parted;
-use super::{amended, blame, findings, long, mismatch, misread, reading, rows_or_whole_runs, runs, sensor};
+use super::{
+    after_moves, amended, blame, findings, long, mismatch, misread, reading, rows_or_whole_runs, runs, sensor,
+};
 use crate::design::Question;
 use crate::diagnosis::{Diagnosis, Effect, NextExperiment, Unknown, Verdict};
 use crate::dynamics::build::{Built, Span, build};
@@ -124,7 +126,9 @@ fn diagnosed_in_time(
 
 /// What a search left without a name: in the machine, or in what a sensor shows.
 pub(super) fn unnamed(problem: &Problem, studied: &Studied) -> Option<Unknown> {
-    residual::unknown(problem, studied).or_else(|| sensor::unknown(problem, studied))
+    residual::unknown(problem, studied)
+        .or_else(|| sensor::unknown(problem, studied))
+        .or_else(|| after_moves::unknown(problem, studied))
 }
 
 /// What a user should know of the data set and of the search in it, and more that was seen.

@@ -1,0 +1,142 @@
+//! What is left of an output that follows moves of an input in the rows before: a resonance, a second path. Residuals of a model that lacks nothing
+//! are independent of past inputs (Ljung, *System Identification*, 2nd ed., Prentice Hall 1999, section 16.6).
+//!
+//! An output whose noise is estimated takes such a rest up as noise, and no process noise is left to tell of it. A sensor's own memory follows
+//! no input: against as much of it by chance stand the same residuals moved along the log.
+
+use super::policy::GENERAL;
+use super::sensor::{Residuals, residuals, told};
+use super::study::Studied;
+use crate::diagnosis::Unknown;
+use crate::observe::Problem;
+use crate::statistics::levels::{HALF, ROUNDING, SAMPLE, SLIGHT, SMALL};
+use crate::statistics::linear::solve;
+use nalgebra::{DMatrix, DVector};
+
+/// The output of which most follows an input, if one does.
+pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
+    let machine = &studied.built.engine.machine;
+    let grids = &studied.built.engine.grids;
+    let moves = |input: usize| -> Vec<Vec<f64>> {
+        let of = |grid: &crate::dynamics::grid::Grid| {
+            let values: Vec<f64> = grid.time.iter().map(|time| grid.inputs[input].value(*time)).collect();
+            let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
+            std::iter::once(0.0).chain(steps).collect()
+        };
+        grids.iter().map(of).collect()
+    };
+    let inputs: Vec<Vec<Vec<f64>>> = (0..machine.inputs.len()).map(moves).collect();
+    let judged = (0..machine.channels.len()).flat_map(|channel| {
+        let left = residuals(studied, channel);
+        let motion = studied.built.scatter[channel].size;
+        let each = inputs.iter().enumerate();
+        let found: Vec<_> = each
+            .filter_map(|(input, moves)| Some((followed(&left, moves, motion)?, input)))
+            .map(|(share, input)| (share, channel, input))
+            .collect();
+        found
+    });
+    let (share, channel, input) = judged.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (output, input) = (&machine.channels[channel], &machine.inputs[input]);
+    let left = residuals(studied, channel);
+    Some(Unknown {
+        shape: format!(
+            "{:.0} % of it follow moves of {} in the {} rows before",
+            100.0 * share,
+            input.name,
+            GENERAL.apart
+        ),
+        depends_on: vec![input.name.clone()],
+        nearest: "no listed effect follows such a move".into(),
+        ..told(problem, studied, output, &left)
+    })
+}
+
+/// The share of residuals that follows an input's moves, if it is one that chance doesn't give, of an output that moves by so much.
+fn followed(left: &Residuals, moves: &[Vec<f64>], motion: f64) -> Option<f64> {
+    let runs: Vec<Vec<f64>> =
+        left.iter().map(|run| run.iter().map(|(_, value)| value.unwrap_or(0.0)).collect()).collect();
+    let count = left.iter().flatten().filter(|(_, value)| value.is_some()).count();
+    let square: f64 = runs.iter().flatten().map(|value| value * value).sum();
+    let explained = Explained::new(moves);
+    let own = explained.of(&runs, 0.0)?;
+    let share = own / square;
+    let size = (own / count.max(1) as f64).sqrt();
+    if !(share >= SMALL && size >= SLIGHT * motion) {
+        return None;
+    }
+    let along = (1..SAMPLE).map(|part| part as f64 / SAMPLE as f64);
+    let by_chance = along.filter_map(|part| explained.of(&runs, part)).fold(0.0, f64::max);
+    (by_chance <= HALF * own).then_some(share)
+}
+
+/// What moves of an input explain of residuals: by least squares, each row by those of the rows up to it.
+struct Explained<'a> {
+    moves: &'a [Vec<f64>],
+    gram: DMatrix<f64>,
+}
+
+impl<'a> Explained<'a> {
+    fn new(moves: &'a [Vec<f64>]) -> Self {
+        let lags = GENERAL.apart;
+        let mut gram = DMatrix::zeros(lags, lags);
+        for run in moves {
+            for row in 0..run.len() {
+                let past = |lag: usize| row.checked_sub(lag).map_or(0.0, |row| run[row]);
+                for i in 0..lags {
+                    (0..lags).for_each(|j| gram[(i, j)] += past(i) * past(j));
+                }
+            }
+        }
+        let ridge = ROUNDING * gram.trace();
+        (0..lags).for_each(|lag| gram[(lag, lag)] += ridge);
+        Self { moves, gram }
+    }
+
+    /// Of the residuals of each run moved along it, round its end, by this part of it.
+    fn of(&self, runs: &[Vec<f64>], part: f64) -> Option<f64> {
+        let mut score = DVector::zeros(self.gram.nrows());
+        for (run, moves) in runs.iter().zip(self.moves) {
+            let by = (part * run.len() as f64) as usize;
+            for (row, value) in run.iter().cycle().skip(by).take(run.len()).enumerate() {
+                let lags = score.len().min(row + 1);
+                (0..lags).for_each(|lag| score[lag] += value * moves[row - lag]);
+            }
+        }
+        Some(solve(&self.gram, &score)?.dot(&score))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Random;
+
+    /// Moves of an input now and then, and what follows them beside noise of one, so many times as large; the sensor's noise may have a memory.
+    fn rig(times: f64, memory: f64) -> (Residuals, Vec<Vec<f64>>) {
+        let mut random = Random::new(11);
+        let moves: Vec<f64> = (0..600).map(|row| if row % 37 == 0 { random.normal() } else { 0.0 }).collect();
+        let mut noise = 0.0;
+        let left = (0..600).map(|row| {
+            noise = memory * noise + (1.0 - memory * memory).sqrt() * random.normal();
+            let rings = (0..12.min(row + 1)).map(|lag| moves[row - lag] * libm::cos(1.2 * lag as f64));
+            (row as f64, Some(noise + times * rings.sum::<f64>()))
+        });
+        (vec![left.collect()], vec![moves])
+    }
+
+    #[test]
+    fn law_what_rings_after_moves_is_found_and_a_sensors_memory_is_not() {
+        let found = |times: f64, memory: f64, motion: f64| {
+            let (left, moves) = rig(times, memory);
+            followed(&left, &moves, motion)
+        };
+        assert!(found(2.0, 0.0, 10.0).is_some_and(|share| share > 0.2));
+        assert!(found(2.0, 0.9, 10.0).is_some());
+        for memory in [0.0, 0.5, 0.9, 0.98] {
+            assert_eq!(found(0.0, memory, 10.0), None, "{memory}");
+        }
+        // of an output that moves a thousand times as far it is nothing
+        assert_eq!(found(2.0, 0.0, 1000.0), None);
+    }
+}

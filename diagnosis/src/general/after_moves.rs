@@ -62,11 +62,13 @@ fn followed(left: &Residuals, moves: &[Vec<f64>], motion: f64) -> Option<f64> {
     let own = explained.of(&runs, 0.0)?;
     let share = own / square;
     let size = (own / count.max(1) as f64).sqrt();
+    // less of either is what a model that is right leaves of steps within a row, in logs without noise above all
     if !(share >= SMALL && size >= SLIGHT * motion) {
         return None;
     }
     let along = (1..SAMPLE).map(|part| part as f64 / SAMPLE as f64);
     let by_chance = along.filter_map(|part| explained.of(&runs, part)).fold(0.0, f64::max);
+    // an input that comes again explains as much a period later: then nothing is told
     (by_chance <= HALF * own).then_some(share)
 }
 

@@ -41,11 +41,16 @@ pub fn unlisted(unknown: &Unknown, page: &mut Page) -> Result<(), Error> {
     told.truncate(OVER);
     // in the order of the runs again
     told.sort_by_key(|run| unknown.traces.iter().position(|known| known.run == run.run));
+    // what a sensor shows is none of the machine's inputs
+    let (what, axis, course) = match unknown.signal.strip_prefix("what ") {
+        Some(shown) => (format!("What {shown} beyond the model"), "residual", "residual"),
+        None => (format!("What acts on {}", unknown.signal), "unlisted input", "most likely course"),
+    };
     let graph = |run: &&RunTrace| {
         let points: Vec<(f64, f64)> = run.trace.iter().map(|[time, value]| (*time, *value)).collect();
-        let axis = Axis::fitted(labelled("unlisted input", &unknown.unit));
-        let line = Line::solid("most likely course", thin(&points, COLUMNS));
-        let title = format!("What acts on {}, {}", unknown.signal, run.run);
+        let axis = Axis::fitted(labelled(axis, &unknown.unit));
+        let line = Line::solid(course, thin(&points, COLUMNS));
+        let title = format!("{what}, {}", run.run);
         (Graph::new(title, Axis::fitted("time in s"), axis).with(line), String::new())
     };
     let graphs: Vec<(Graph, String)> = told.iter().map(graph).collect();

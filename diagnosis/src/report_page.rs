@@ -147,23 +147,16 @@ fn what_stays_open(diagnosis: &Diagnosis) -> Option<&'static str> {
 /// The answer, in large letters.
 fn verdict(diagnosis: &Diagnosis) -> report::Verdict {
     let value = |effect: &Effect| Figure {
-        label: effect.name.clone(),
-        value: Some(effect.value),
-        unit: effect.unit.clone(),
         // a gain of 1.00054 is no 1.001; a count has no interval
         written: (effect.ci95[0] < effect.ci95[1]).then(|| effect.written(effect.value)),
+        ..Figure::new(&effect.name, Some(effect.value), &effect.unit)
     };
     let mut figures: Vec<Figure> = diagnosis.effects.iter().map(value).collect();
     // of an unlisted input alone no gap closes, whatever was found of it
     let alone = diagnosis.effects.is_empty() && what_stays_open(diagnosis).is_some();
     if let Some(closed) = diagnosis.gap.percent().filter(|_| diagnosis.verdict != Verdict::None && !alone) {
         let percent = (10.0 * closed).round() / 10.0;
-        figures.push(Figure {
-            label: "gap closed".into(),
-            value: Some(percent),
-            unit: "%".into(),
-            written: None,
-        });
+        figures.push(Figure::new("gap closed", Some(percent), "%"));
     }
     let standing = match diagnosis.verdict {
         Verdict::None | Verdict::Named => Standing::Good,

@@ -31,7 +31,7 @@ pub struct Verdict {
 }
 
 /// A number of a verdict.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// What it is, e.g. `peak torque`.
     pub label: String,
@@ -118,6 +118,11 @@ impl Program {
 }
 
 impl Figure {
+    /// A value with its unit, written with four significant digits.
+    pub fn new(label: impl Into<String>, value: Option<f64>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), value, unit: unit.into(), written: None }
+    }
+
     /// In words: `peak torque 1.23 N·m`.
     pub fn line(&self) -> String {
         format!("{} {}", self.label, self.text())
@@ -264,8 +269,7 @@ mod tests {
 
     #[test]
     fn value_figures_and_programs_in_a_line() {
-        let figure =
-            |value, unit: &str| Figure { label: "peak".into(), value, unit: unit.into(), written: None };
+        let figure = |value, unit: &str| Figure::new("peak", value, unit);
         assert_eq!(figure(Some(1.25), "N·m").line(), "peak 1.25 N·m");
         assert_eq!(figure(Some(3.0), "").line(), "peak 3");
         assert_eq!(figure(None, "N·m").line(), "peak none");
@@ -294,12 +298,7 @@ mod tests {
         let verdict = Verdict {
             standing: Standing::Bad,
             words: "fell at t < 2 s".into(),
-            figures: vec![Figure {
-                label: "peak".into(),
-                value: Some(1.5),
-                unit: "N·m".into(),
-                written: None,
-            }],
+            figures: vec![Figure::new("peak", Some(1.5), "N·m")],
             notes: Vec::new(),
         };
         let program = Program { name: "p".into(), version: "1".into(), commit: "abc".into() };

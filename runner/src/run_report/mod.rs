@@ -124,12 +124,7 @@ impl Finished<'_> {
             _ => Standing::Plain,
         };
         let figures = entry.figures.iter().zip(&series.figures);
-        let figures = figures.map(|(figure, value)| Figure {
-            label: figure.label.clone(),
-            value: *value,
-            unit: self.unit(figure),
-            written: None,
-        });
+        let figures = figures.map(|(figure, value)| Figure::new(&figure.label, *value, self.unit(figure)));
         Verdict { standing, words, figures: figures.collect(), notes: self.notes(series) }
     }
 

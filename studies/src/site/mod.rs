@@ -74,11 +74,7 @@ fn in_short(outcome: &Outcome) -> String {
 }
 
 fn verdict(tally: &Tally) -> Verdict {
-    let count = |label: &str, value: usize| Figure {
-        label: label.to_owned(),
-        value: Some(value as f64),
-        ..Figure::default()
-    };
+    let count = |label: &str, value: usize| Figure::new(label, Some(value as f64), "");
     let whole = tally.holding == tally.claims && tally.parts_holding == tally.parts;
     Verdict {
         standing: if whole { Standing::Good } else { Standing::Plain },

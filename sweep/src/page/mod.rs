@@ -80,11 +80,7 @@ fn verdict(plan: &Plan, columns: &Columns, counts: Counts) -> Verdict {
         if let Reduce::FirstTrue(_) = scalar.reduce {
             let never = values.iter().filter(|value| value.is_nan()).count() as u64;
             let label = format!("cases without {}", scalar.name);
-            figures.push(Figure {
-                label,
-                value: Some((never - failed.min(never)) as f64),
-                ..Figure::default()
-            });
+            figures.push(Figure::new(label, Some((never - failed.min(never)) as f64), ""));
         }
     }
     // What the cases span, of the first few scalars.
@@ -97,12 +93,8 @@ fn verdict(plan: &Plan, columns: &Columns, counts: Counts) -> Verdict {
             _ => ["smallest", "largest"],
         };
         let ends = [(least, there().reduce(f64::min)), (most, there().reduce(f64::max))];
-        figures.extend(ends.map(|(which, value)| Figure {
-            label: format!("{which} {}", scalar.name),
-            value,
-            unit: unit.clone(),
-            written: None,
-        }));
+        figures
+            .extend(ends.map(|(which, value)| Figure::new(format!("{which} {}", scalar.name), value, &unit)));
     }
     let standing = if failed == 0 { Standing::Plain } else { Standing::Bad };
     let notes = plan.notices.iter().cloned().chain(counts.words()).collect();

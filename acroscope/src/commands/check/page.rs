@@ -67,21 +67,13 @@ fn verdict(looked: &Looked) -> Verdict {
             (Standing::Bad, format!("The unit breaks the standard, or its own word, in {errors} places."))
         }
     };
-    let figure = |label: &str, severity| Figure {
-        label: label.to_owned(),
-        value: Some(of(severity) as f64),
-        ..Figure::default()
-    };
+    let figure = |label: &str, severity| Figure::new(label, Some(of(severity) as f64), "");
     let figures = vec![
         figure("errors", Severity::Error),
         figure("warnings", Severity::Warning),
         figure("notes", Severity::Note),
-        Figure {
-            label: "rules looked at".to_owned(),
-            value: Some(looked.rules().len() as f64),
-            ..Figure::default()
-        },
-        Figure { label: "rules not looked at".to_owned(), value: Some(left_out as f64), ..Figure::default() },
+        Figure::new("rules looked at", Some(looked.rules().len() as f64), ""),
+        Figure::new("rules not looked at", Some(left_out as f64), ""),
     ];
     Verdict { standing, words, figures, notes: Vec::new() }
 }

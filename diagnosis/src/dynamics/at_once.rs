@@ -58,6 +58,18 @@ impl Engine {
         })
     }
 
+    /// Where a unit says that none of its outputs follows an input, and one does, any may.
+    ///
+    /// # Errors
+    /// A unit failed.
+    pub(super) fn doubt_dependencies(&mut self) -> Result<(), Error> {
+        let says_none = self.machine.channels.iter().all(|output| !output.jumps);
+        if says_none && self.at_once()?.is_some() {
+            self.machine.channels.iter_mut().for_each(|output| output.jumps = true);
+        }
+        Ok(())
+    }
+
     /// The first output that follows a held input at once: names of output and input.
     ///
     /// # Errors
@@ -98,6 +110,26 @@ impl Engine {
 #[cfg(test)]
 mod tests {
     use super::{is_seen, tried_rows};
+    use crate::dynamics::tests::{built, pendulum};
+    use crate::observe::VariableId;
+
+    #[test]
+    fn law_a_unit_is_believed_that_no_output_follows_an_input_unless_one_does() {
+        let mut problem = pendulum("dependencies", 60);
+        let jumps = |problem: &crate::observe::Problem| {
+            let mut engine = built(problem).engine;
+            let said: Vec<bool> = engine.machine.channels.iter().map(|output| output.jumps).collect();
+            engine.machine.channels.iter_mut().for_each(|output| output.jumps = false);
+            engine.doubt_dependencies().expect("it runs");
+            (said, engine.machine.channels[0].jumps)
+        };
+        assert_eq!(jumps(&problem), (vec![false, false], false));
+        let shown = problem.channels.iter().position(|channel| channel.name.ends_with(".q1")).expect("shown");
+        let place = problem.model.description(0).place("tau_applied").expect("an output");
+        problem.channels[shown].variable = VariableId { instance: 0, place };
+        problem.states.iter_mut().for_each(|state| state.channel = None);
+        assert_eq!(jumps(&problem), (vec![true, false], true));
+    }
 
     #[test]
     fn value_what_a_sensor_sees_of_an_input_at_once() {

@@ -6,7 +6,7 @@ use super::linearise::Engine;
 use super::schedule::Schedule;
 use super::worker::{Job, Worker};
 use crate::error::{Error, Notice};
-use crate::observe::{Problem, Run};
+use crate::observe::{Problem, Reading, Run};
 use crate::statistics::levels::STEP;
 use std::collections::BTreeMap;
 
@@ -60,6 +60,9 @@ impl Engine {
         }
         self.input_scales = self.unlogged_scales(sizes)?;
         notices.extend(self.read_through_outputs()?);
+        if problem.reading == Reading::Before {
+            self.doubt_dependencies()?;
+        }
         self.starts = self.grids.iter().map(|grid| prior(&self.machine, grid, &self.scales)).collect();
         Ok((self, notices))
     }

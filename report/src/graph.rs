@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::clip::clip;
+use crate::extent;
 use crate::legend;
 use crate::map::rounded;
 pub use crate::style::{Marks, Stroke, Style};
@@ -24,7 +25,7 @@ pub struct Line {
     pub label: String,
     /// How it is drawn.
     pub style: Style,
-    /// Points ordered by x. Points that are not finite interrupt the line.
+    /// Points ordered by x. Points that are not finite, or too large to be drawn ([`extent::is_drawn`]), interrupt the line.
     #[serde(with = "holes")]
     pub points: Vec<(f64, f64)>,
 }
@@ -131,8 +132,8 @@ impl Graph {
     }
 
     fn draw_svg(&self) -> Result<String, Error> {
-        let x_range = self.range(&self.x, |point| point.0, 0.0)?;
-        let y_range = self.range(&self.y, |point| point.1, 0.06)?;
+        let x_range = self.range(&self.x, |point| point.0, |extent| extent)?;
+        let y_range = self.range(&self.y, |point| point.1, extent::with_margin)?;
         let mut svg = String::new();
         {
             let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -193,22 +194,19 @@ impl Graph {
         Ok(())
     }
 
-    /// The range of an axis: its own, or that of the data with a margin (a share of the range).
-    fn range(&self, axis: &Axis, of: impl Fn(&(f64, f64)) -> f64, margin: f64) -> Result<(f64, f64), Error> {
+    /// The range of an axis: its own, or that of the data, `widened`.
+    fn range(
+        &self,
+        axis: &Axis,
+        of: impl Fn(&(f64, f64)) -> f64,
+        widened: impl Fn((f64, f64)) -> (f64, f64),
+    ) -> Result<(f64, f64), Error> {
         if let Some(range) = axis.range {
-            return Ok(range);
+            return extent::checked(range, &self.title);
         }
-        let finite =
-            self.lines.iter().flat_map(|line| &line.points).map(of).filter(|value| value.is_finite());
-        let (low, high) =
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        if low > high {
-            return Err(Error::Empty { title: self.title.clone() });
-        }
-        let span = high - low;
-        // A constant line gets a band around it, so that it doesn't lie on the frame.
-        let pad = if span > 0.0 { margin * span } else { 0.5 * high.abs().max(1e-3) };
-        Ok((low - pad, high + pad))
+        let extent = extent::of(self.lines.iter().flat_map(|line| &line.points).map(of));
+        let (low, high) = extent.ok_or_else(|| Error::Empty { title: self.title.clone() })?;
+        Ok(if low < high { widened((low, high)) } else { extent::with_margin((low, high)) })
     }
 }
 
@@ -253,8 +251,10 @@ fn draw_line(
 ) -> Result<(), Refusal> {
     let style = line.style.connected();
     let stroke = colour.stroke_width(if matches!(style, Style::Dotted) { 2 } else { 1 });
-    let pieces =
-        line.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|piece| !piece.is_empty());
+    let pieces = line
+        .points
+        .split(|(x, y)| !extent::is_drawn(*x) || !extent::is_drawn(*y))
+        .filter(|piece| !piece.is_empty());
     for piece in pieces {
         let points = match line.style {
             // A line's peaks stand for the rest of it; of points each is one.
@@ -300,6 +300,18 @@ mod tests {
         assert!(svg.starts_with("<svg") && svg.contains("desired") && svg.contains("time in s"));
         assert!(svg.contains("z &lt; 1"), "the title is escaped");
         assert_eq!(svg, graph.to_svg().expect("drawn once already"), "same data, same bytes");
+    }
+
+    #[test]
+    fn bad_values_whose_range_has_no_width_are_drawn_as_holes() {
+        // a coupling that diverges ends so: the drawing library looked for ticks without end
+        let points = vec![(0.0, 0.0), (1.0, -1e308), (2.0, 1e308), (3.0, 1.0)];
+        let graph = Graph::new("t", Axis::fitted("x"), Axis::fitted("y")).with(Line::solid("a", points));
+        assert!(graph.to_svg().expect("drawn").contains("svg"));
+        let graph =
+            Graph::new("t", Axis::fitted("x"), Axis::over("y", -1e308, 1e308)).with(graph.lines[0].clone());
+        let told = graph.to_svg().expect_err("no width").to_string();
+        assert!(told.contains("from -1e308 to 1e308"), "{told}");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 mod clip;
 mod compact;
+pub mod extent;
 pub mod field;
 pub mod filter;
 pub mod graph;

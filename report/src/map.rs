@@ -56,6 +56,7 @@ impl HeatMap {
         let (Some(x), Some(y)) = (self.x.range, self.y.range) else {
             return Err(Error::Empty { title: self.title.clone() });
         };
+        let (x, y) = (crate::extent::checked(x, &self.title)?, crate::extent::checked(y, &self.title)?);
         let mut svg = String::new();
         {
             let root = SVGBackend::with_string(&mut svg, crate::graph::SIZE).into_drawing_area();

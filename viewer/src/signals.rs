@@ -1,6 +1,7 @@
 //! The graphs beside the picture: those that the scenario's `[report]` asks for, else all columns of each unit that move.
 
 use crate::results::Results;
+use report::extent;
 use report::thin::Thinner;
 use report::{Axis, Graph, Line, Style};
 
@@ -43,22 +44,17 @@ pub fn graphs(runs: &[Results]) -> Vec<Graph> {
         scaled(&mut graph, runs, &before);
         graph
     });
-    let finite =
-        |graph: &Graph| graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| value.is_finite());
+    let finite = |graph: &Graph| {
+        graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| extent::is_drawn(*value))
+    };
     drawn.filter(finite).collect()
 }
 
 /// The scale is that of what came before a failure; what comes after it is no measure for anything.
 fn scaled(graph: &mut Graph, runs: &[Results], before: &[f64]) {
     let Some(first) = runs.iter().filter_map(Results::failed).reduce(f64::min) else { return };
-    let finite = before.iter().filter(|value| value.is_finite());
-    let range = finite
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
-    if range.0 < range.1 {
-        // As wide a margin as a fitted axis has.
-        let margin = 0.06 * (range.1 - range.0);
-        graph.y.range = Some((range.0 - margin, range.1 + margin));
-    }
+    let reached = extent::of(before.iter().copied()).filter(|(low, high)| low < high);
+    graph.y.range = reached.map(extent::with_margin).or(graph.y.range);
     graph.event = Some((first, format!("failed at {} s; scaled up to then", report::head::short(first))));
 }
 

@@ -4,6 +4,7 @@
 
 mod pack;
 
+use crate::extent;
 use crate::graph::{Graph, Line, Marks, Style};
 use crate::{Error, page};
 use maud::{Markup, PreEscaped, html};
@@ -170,7 +171,7 @@ fn json(data: &impl Serialize) -> Result<String, Error> {
 /// Every x at which a line has a point, in order; none if a line goes back or stands still in x.
 fn shared_x(lines: &[Line]) -> Option<Vec<f64>> {
     let goes_on = |line: &Line| {
-        line.points.iter().all(|(x, _)| x.is_finite())
+        line.points.iter().all(|(x, _)| extent::is_drawn(*x))
             && line.points.windows(2).all(|pair| pair[0].0 < pair[1].0)
     };
     if !lines.iter().all(goes_on) {
@@ -186,7 +187,7 @@ fn shared_x(lines: &[Line]) -> Option<Vec<f64>> {
 fn spread(points: &[(f64, f64)], xs: &[f64]) -> Vec<u64> {
     let mut points = points.iter().peekable();
     let value = |x: &f64| match points.next_if(|(at, _)| at == x) {
-        Some((_, value)) if value.is_finite() => value.to_bits(),
+        Some((_, value)) if extent::is_drawn(*value) => value.to_bits(),
         Some(_) => f64::NAN.to_bits(),
         None => MISSING,
     };

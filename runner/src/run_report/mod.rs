@@ -16,6 +16,7 @@ pub use summary::{Ended, How, Summary};
 use crate::error::Error;
 use layout::{GraphEntry, LineStyle, Mark};
 use orchestrator::{Kind, Simulation};
+use report::extent;
 use report::head::short;
 use report::{Axis, Figure, Graph, Line, Page, Provenance, Standing, Style, Verdict};
 use series::{Series, Wanted};
@@ -171,7 +172,8 @@ impl Finished<'_> {
         let mut empty = Vec::new();
         for entry in self.layout.graphs() {
             let graph = graph(entry, series, event.clone(), &held);
-            match graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| value.is_finite()) {
+            match graph.lines.iter().flat_map(|line| &line.points).any(|(_, value)| extent::is_drawn(*value))
+            {
                 true => drawn.push((graph, String::new())),
                 false => empty.push(entry.title.as_str()),
             }
@@ -210,15 +212,8 @@ fn graph(entry: &GraphEntry, series: &Series, event: Option<(f64, String)>, held
     }
     if let Some((time, _)) = &event {
         let before = graph.lines.iter().flat_map(|line| &line.points).filter(|(at, _)| at <= time);
-        let range = before
-            .map(|(_, value)| *value)
-            .filter(|value| value.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-        if range.0 < range.1 {
-            // As wide a margin as a fitted axis has.
-            let margin = 0.06 * (range.1 - range.0);
-            graph.y.range = Some((range.0 - margin, range.1 + margin));
-        }
+        let reached = extent::of(before.map(|(_, value)| *value)).filter(|(low, high)| low < high);
+        graph.y.range = reached.map(extent::with_margin).or(graph.y.range);
     }
     graph.event = event;
     graph

@@ -4,6 +4,7 @@ use super::{Columns, words};
 use crate::design::Design;
 use crate::error::Error;
 use crate::plan::Plan;
+use report::extent;
 use report::head::short;
 use report::{Axis, Bar, Graph, HeatMap, Line, Markup, Page, Readings};
 
@@ -25,7 +26,7 @@ struct Varied {
 pub(super) fn draw(page: &mut Page, plan: &Plan, columns: &Columns) -> Result<(), Error> {
     for (at, scalar) in plan.scalars.iter().enumerate() {
         let values = &columns.scalars[at];
-        if !values.iter().any(|value| value.is_finite()) {
+        if !values.iter().any(|value| extent::is_drawn(*value)) {
             page.heading(&scalar.name).text(&format!("No case has a finite value: {}.", words(plan, at)));
             continue;
         }
@@ -59,7 +60,7 @@ fn along(plan: &Plan, lengths: &[usize], columns: &Columns, parameter: usize) ->
     let column = &plan.parameters[parameter];
     let value = |place: usize| columns.parameters[parameter][place * stride(lengths, parameter)];
     let numbers: Vec<f64> = (0..lengths[parameter]).map(value).collect();
-    let values = match numbers.iter().all(|number| number.is_finite()) {
+    let values = match numbers.iter().all(|number| extent::is_drawn(*number)) {
         true => numbers,
         false => (0..lengths[parameter]).map(|place| place as f64).collect(),
     };
@@ -136,8 +137,8 @@ fn map(
     let (columns, rows) = (order(&x.values), order(&y.values));
     let cells = rows.iter().flat_map(|row| columns.iter().map(move |column| (*row, *column)));
     let raw: Vec<f64> = cells.map(|(row, column)| value(row, column)).collect();
-    let finite = || raw.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let reached = extent::of(raw.iter().copied());
+    let (low, high) = reached.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
     // Larger is darker, on every map; pale still differs from white, which is no value.
     let shade =
         |value: f64| if high > low { PALE + (1.0 - PALE) * (value - low) / (high - low) } else { 1.0 };
@@ -156,14 +157,19 @@ fn map(
         ticks: [xs.clone(), ys.clone()],
         x_edges,
         y_edges,
-        values: raw.iter().map(|value| if value.is_finite() { shade(*value) } else { f64::NAN }).collect(),
+        values: raw
+            .iter()
+            .map(|value| if extent::is_drawn(*value) { shade(*value) } else { f64::NAN })
+            .collect(),
         contours: Vec::new(),
-        bar: low
-            .is_finite()
-            .then(|| Bar { label: label(plan, scalar), ends: [(shade(low), low), (shade(high), high)] }),
+        bar: reached
+            .map(|_| Bar { label: label(plan, scalar), ends: [(shade(low), low), (shade(high), high)] }),
     };
-    let holes =
-        if raw.iter().all(|value| value.is_finite()) { "" } else { "; a cell without a colour has no value" };
+    let holes = if raw.iter().all(|value| extent::is_drawn(*value)) {
+        ""
+    } else {
+        "; a cell without a colour has no value"
+    };
     let readings = Readings {
         labels: [x.label.clone(), y.label.clone(), label(plan, scalar)],
         x: columns.iter().map(|at| x.values[*at]).collect(),
@@ -215,10 +221,11 @@ fn points(page: &mut Page, plan: &Plan, columns: &Columns, scalar: usize) -> Res
         .iter()
         .zip(&columns.parameters)
         .enumerate()
-        .filter(|(_, (_, x))| x.iter().all(|x| x.is_finite()));
+        .filter(|(_, (_, x))| x.iter().all(|x| extent::is_drawn(*x)));
     for (at, (column, x)) in shown.take(PICTURES) {
         let all = x.iter().copied().zip(values.iter().copied());
-        let mut points: Vec<(f64, f64)> = all.step_by(every).filter(|(_, value)| value.is_finite()).collect();
+        let mut points: Vec<(f64, f64)> =
+            all.step_by(every).filter(|(_, value)| extent::is_drawn(*value)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         if points.is_empty() {
             continue;

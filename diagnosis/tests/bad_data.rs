@@ -202,6 +202,8 @@ fn every_mistake_in_the_manifest_has_a_line() {
         ("format = 1\nscenario = \"a\"\n[[run]]\n", 3),
         ("scenario = \"a\"\nformat = \"2\"", 2),
         ("format = 1\nscenario = \"visual-srvo\"\n[[run]]\ndir = \"r\"", 2),
+        ("format = 1\nscenario = \"visual-servo\"\n[[run]]\ndir = \"../r\"", 4),
+        ("format = 1\nscenario = \"visual-servo\"\n[[run]]\ndir = \"/tmp\"", 4),
         ("format = 1\nscenario = \"visual-servo\"\n[[run]]\ndir = \"r\"\ndirr = 3.0", 5),
     ] {
         folder.put("r/plant.csv", &plant(60, 1.0));

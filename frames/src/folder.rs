@@ -2,7 +2,9 @@
 
 use crate::error::{Error, file};
 use crate::{Recording, Stamp};
+use orchestrator::plain::{leaves, write_whole};
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 const MANIFEST: &str = "dataset.toml";
@@ -53,7 +55,14 @@ fn listed(out: &Path, count: usize) -> Result<Option<Vec<PathBuf>>, Error> {
     let runs = table.get("run").and_then(toml::Value::as_array).into_iter().flatten();
     let dir = |(place, run): (usize, &toml::Value)| {
         let dir = run.get("dir").and_then(toml::Value::as_str);
-        dir.map(|dir| out.join(dir)).ok_or_else(|| wrong(format!("[[run]] {} has no dir, a text", place + 1)))
+        let dir = dir.ok_or_else(|| wrong(format!("[[run]] {} has no dir, a text", place + 1)))?;
+        if leaves(Path::new(dir)) {
+            return Err(wrong(format!(
+                "dir = {dir:?} leads out of {}: nothing is written there",
+                out.display()
+            )));
+        }
+        Ok(out.join(dir))
     };
     let dirs: Vec<PathBuf> = runs.enumerate().map(dir).collect::<Result<_, _>>()?;
     if dirs.len() < count {
@@ -100,7 +109,9 @@ fn logs(runs: &Runs, texts: &[String], notices: &mut Vec<String>) -> Result<Vec<
         std::fs::create_dir_all(folder).map_err(file(folder))?;
         let (path, before) = (folder.join(LOG), folder.join(BEFORE));
         if path.exists() && !before.exists() {
-            std::fs::rename(&path, &before).map_err(file(&path))?;
+            // a copy, for the log must not be gone where the new one can't be written
+            let kept = std::fs::read(&path).and_then(|log| write_whole(&before, |to| to.write_all(&log)));
+            kept.map_err(file(&before))?;
             notices.push(format!("{} was there before; it is {BEFORE} now", path.display()));
         }
         whole(&path, text)?;
@@ -133,8 +144,7 @@ fn manifest(recording: &Recording, runs: usize) -> String {
 
 /// Writes a file that is either not there or whole, even if this ends in the middle.
 fn whole(path: &Path, text: &str) -> Result<(), Error> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, path)).map_err(file(path))
+    write_whole(path, |to| to.write_all(text.as_bytes())).map_err(file(path))
 }
 
 /// The scenario as the manifest names it: a path is kept whole, for the manifest lies elsewhere.
@@ -156,5 +166,34 @@ fn literal(value: &str) -> String {
     match format!("x = {value}").parse::<toml::Table>() {
         Ok(_) if is_plain => value.to_owned(),
         _ => quoted(value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BEFORE, LOG, MANIFEST, Runs, logs, runs};
+
+    #[test]
+    fn bad_folders_of_runs_are_refused_before_anything_is_written() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for dir in ["../other", "/tmp"] {
+            let text = format!("format = 1\n[[run]]\ndir = {dir:?}\n");
+            std::fs::write(folder.path().join(MANIFEST), text).expect("writable");
+            let error = runs(folder.path(), 1).map(drop).expect_err("it leads out").to_string();
+            assert!(error.contains(&format!("dir = {dir:?} leads out of")), "{error}");
+        }
+    }
+
+    #[test]
+    fn law_the_log_that_was_there_is_kept_once() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let runs = Runs { folders: vec![folder.path().to_owned()], listed: true };
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).ok();
+        std::fs::write(folder.path().join(LOG), "measured").expect("writable");
+        for text in ["first", "second"] {
+            logs(&runs, &[text.to_owned()], &mut Vec::new()).expect("written");
+            assert_eq!((read(LOG).as_deref(), read(BEFORE).as_deref()), (Some(text), Some("measured")));
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 2, "nothing else is left");
     }
 }

@@ -95,16 +95,12 @@ impl Checkpoint {
     pub fn save(&self, path: &Path) -> Result<(), Error> {
         let body = postcard::to_allocvec(self)
             .map_err(|error| Error::Checkpoint { path: path.into(), reason: error.to_string() })?;
-        let beside = path.with_extension("tmp");
-        let write = || {
-            let mut file = File::create(&beside)?;
-            file.write_all(MAGIC)?;
-            file.write_all(Sha256::digest(&body).as_slice())?;
-            file.write_all(&body)?;
-            file.sync_all()?;
-            std::fs::rename(&beside, path)
+        let sum = Sha256::digest(&body);
+        let write = |file: &mut File| {
+            [MAGIC, sum.as_slice(), &body].into_iter().try_for_each(|part| file.write_all(part))
         };
-        write().map_err(|source| Error::Record { target: Some(path.into()), source })
+        crate::plain::write_whole(path, write)
+            .map_err(|source| Error::Record { target: Some(path.into()), source })
     }
 }
 
@@ -242,8 +238,9 @@ impl Simulation {
         let system = &mut self.wiring.system;
         for (unit, saved) in system.units.iter_mut().zip(&checkpoint.units) {
             let state = unit.instance.deserialize_state(&saved.state)?;
-            unit.instance.restore_state(&state)?;
+            let restored = unit.instance.restore_state(&state);
             unit.instance.free_state(state)?;
+            restored?;
             unit.instance.set_warnings(saved.warnings);
             (unit.begin, unit.step, unit.size) = (saved.begin, saved.step, saved.size);
             unit.reach = saved.reach;

@@ -1,9 +1,9 @@
 //! Files that people name: only ordinary ones are read. To open a pipe waits for a writer, who may never come, and a device may
-//! have no end.
+//! have no end. What is written is whole or not there.
 
 use std::fs::{self, File, FileType};
 use std::io;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// Opens an ordinary file.
 ///
@@ -44,6 +44,44 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Whether a name leads out of the folder that it is looked for in.
+pub fn leaves(name: &Path) -> bool {
+    let mut depth = Some(0_usize);
+    for part in name.components() {
+        depth = match part {
+            Component::Normal(_) => depth.map(|depth| depth + 1),
+            Component::CurDir => depth,
+            Component::ParentDir => depth.and_then(|depth| depth.checked_sub(1)),
+            Component::RootDir | Component::Prefix(_) => None,
+        };
+    }
+    depth.is_none()
+}
+
+/// The name beside a file under which it is written before it gets its own.
+pub fn beside(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".new");
+    path.with_file_name(name)
+}
+
+/// Writes a file that is whole or not there, in the place of the one before, even if this ends in the middle.
+///
+/// # Errors
+/// If it can't be written; the one before then stays, and nothing is left beside it.
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let new = beside(path);
+    let written = File::create(&new).and_then(|mut file| {
+        write(&mut file)?;
+        file.sync_all()
+    });
+    let named = written.and_then(|()| fs::rename(&new, path));
+    if named.is_err() {
+        let _ = fs::remove_file(&new);
+    }
+    named
+}
+
 fn what(is: FileType) -> &'static str {
     if is.is_dir() {
         return "a folder";
@@ -66,7 +104,19 @@ fn what(is: FileType) -> &'static str {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::{open, read_text};
+    use super::{beside, open, read_text, write_whole};
+
+    #[test]
+    fn law_a_file_is_written_whole_or_stays_as_it_was() {
+        use std::io::Write as _;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("log.csv");
+        write_whole(&path, |file| file.write_all(b"first")).expect("written");
+        let full = || Err(std::io::Error::from(std::io::ErrorKind::StorageFull));
+        write_whole(&path, |file| file.write_all(b"sec").and_then(|()| full())).expect_err("full");
+        assert_eq!(read_text(&path).expect("there"), "first");
+        assert!(!beside(&path).exists());
+    }
 
     #[test]
     fn every_thing_that_is_no_file_is_called_by_its_name() {

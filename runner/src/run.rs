@@ -31,6 +31,8 @@ const FILES: [&str; 7] = [
 const PACING: &str = "pacing.json";
 /// The newest checkpoint, beside the results.
 const CHECKPOINT: &str = "checkpoint.bin";
+/// One that was not written to its end.
+const CUT_OFF: &str = "checkpoint.bin.new";
 
 /// A run that came to its end, for what else is written of it.
 pub struct Ran<'a> {
@@ -130,7 +132,7 @@ pub fn carry_out(
     let mut results = match &from {
         Some(checkpoint) => Results::resumed(&folder, &FILES, &resolved, checkpoint)?
             .told((!quiet).then(|| goes_on(checkpoint))),
-        None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT]].concat(), &resolved)?,
+        None => Results::new(&folder, &[&FILES[..], &[CHECKPOINT, CUT_OFF]].concat(), &resolved)?,
     };
     let mut recorder = Twice(&mut results, also);
     let simulation = &mut prepared.simulation;

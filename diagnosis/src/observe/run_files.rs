@@ -2,7 +2,8 @@
 
 use super::Run;
 use orchestrator::nearest;
-use std::path::{Component, Path, PathBuf};
+use orchestrator::plain::leaves;
+use std::path::{Path, PathBuf};
 
 /// Where a run's file lies. An error is what is wrong with its name.
 pub(super) fn find(folder: &Path, name: &str) -> Result<PathBuf, String> {
@@ -19,20 +20,6 @@ pub(super) fn find(folder: &Path, name: &str) -> Result<PathBuf, String> {
             Err(format!("file = {name:?}: there is no such file in {}: {}", folder.display(), files(&path)))
         }
     }
-}
-
-/// Whether a name leads out of the folder that it is looked for in.
-fn leaves(name: &Path) -> bool {
-    let mut depth = Some(0_usize);
-    for part in name.components() {
-        depth = match part {
-            Component::Normal(_) => depth.map(|depth| depth + 1),
-            Component::CurDir => depth,
-            Component::ParentDir => depth.and_then(|depth| depth.checked_sub(1)),
-            Component::RootDir | Component::Prefix(_) => None,
-        };
-    }
-    depth.is_none()
 }
 
 /// What is wrong with a run that holds the same rows as one before.

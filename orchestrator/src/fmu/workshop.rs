@@ -4,6 +4,7 @@
 //! away; it holds a lock on a file in it, which the system lets go of with the process, so that the next process sees
 //! that nobody lives there any more and removes it.
 
+use crate::plain;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -96,8 +97,8 @@ fn sweep(temporary: &Path) {
     let entries = fs::read_dir(temporary).into_iter().flatten().flatten();
     let ours = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));
     for folder in ours.map(|entry| entry.path()) {
-        // A folder without the file is not ours, or was made a moment ago.
-        let Ok(alive) = File::open(folder.join(ALIVE)) else { continue };
+        // A folder without the file is not ours, or was made a moment ago; one with a pipe of that name is somebody's who waits for us.
+        let Ok(alive) = plain::open(&folder.join(ALIVE)) else { continue };
         if alive.try_lock().is_ok() {
             let _ = fs::remove_dir_all(&folder);
         }
@@ -166,6 +167,14 @@ mod tests {
         let lock = locked(&living).expect("locked");
         sweep(temporary.path());
         assert!(!dead.exists() && living.join(ALIVE).exists() && foreign.exists());
+        // to open a pipe waits for a writer, who may never come
+        #[cfg(unix)]
+        {
+            let made = std::process::Command::new("mkfifo").arg(foreign.join(ALIVE)).status();
+            assert!(made.expect("of POSIX").success());
+            sweep(temporary.path());
+            assert!(foreign.exists());
+        }
         drop(lock);
         sweep(temporary.path());
         assert!(!living.exists(), "its process is gone now");

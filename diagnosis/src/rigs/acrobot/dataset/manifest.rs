@@ -4,6 +4,7 @@ use super::lines;
 use super::stated_log::Stated;
 use crate::error::Error;
 use crate::rigs::acrobot::channels::CHANNELS;
+use orchestrator::plain::leaves;
 use orchestrator::suggest::nearest;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -149,6 +150,13 @@ impl File<'_> {
             };
             let line = self.line_with(&format!("\"{dir}\""));
             let folder = self.path.parent().unwrap_or(Path::new("."));
+            if leaves(Path::new(dir)) {
+                let problem = format!(
+                    "dir = {dir:?} leads out of the data set's folder, {}: copy the run there, or put a link to it there",
+                    folder.display()
+                );
+                return Err(self.wrong(line, problem));
+            }
             if !folder.join(dir).is_dir() {
                 let there = folders(folder);
                 let suggested = nearest(dir, there.iter().map(String::as_str));

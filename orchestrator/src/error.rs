@@ -167,6 +167,14 @@ pub enum Error {
         /// What the unit logged.
         log: Vec<LogLine>,
     },
+    /// A unit's state takes more memory than there is.
+    #[error("unit {unit}: fmi2SerializedFMUstateSize asks for {bytes} bytes, for which there is no memory")]
+    StateSize {
+        /// Name in the scenario.
+        unit: String,
+        /// What it asked for.
+        bytes: usize,
+    },
     /// The process of a unit that had one of its own ended.
     #[error("unit {unit}: in {function}{} its process {post_mortem}", at(*time))]
     Died {

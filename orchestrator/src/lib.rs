@@ -118,7 +118,7 @@ pub use fmu::Fmu;
 pub use guard::{Guard, all_done, beat, beats, give_up, look_out};
 #[cfg(unix)]
 pub use guard::{exit_at_once, own_output};
-pub use isolation::{Host, Isolation, host_units, host_units_by, serve_units};
+pub use isolation::{Host, Isolation, host_units, host_units_by, limit_of, serve_units};
 pub use pacing::Lateness;
 pub use progress::{Progress, Quiet};
 #[doc(hidden)]

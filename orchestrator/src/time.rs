@@ -258,9 +258,9 @@ impl Clock {
         quotient(ticks * self.tick.numerator, self.tick.denominator)
     }
 
-    /// Whether the times up to a tick can be computed.
+    /// Whether the times up to a tick can be computed. Half of the range is left for the sums of a time and a delay or interval.
     pub fn holds(&self, ticks: i64) -> bool {
-        ticks.checked_mul(self.tick.numerator).is_some()
+        ticks.unsigned_abs() < 1 << 62 && ticks.checked_mul(self.tick.numerator).is_some()
     }
 
     /// Length of a tick.

@@ -160,6 +160,18 @@ fn law_names_that_are_not_clear_are_refused_where_they_count() {
 }
 
 #[test]
+fn bad_a_limit_that_is_no_number_is_refused_with_its_line() {
+    let units = Units::new();
+    let odd = common::description(STATEFUL).replace("start=\"1\" max=\"1e6\"", "start=\"1\" max=\"NaN\"");
+    let path = units.pack("stateful.fmu", &odd, &common::library());
+    let error = orchestrator::Fmu::open(path).map(drop).expect_err("it limits nothing").to_string();
+    assert!(
+        error.contains("modelDescription.xml:") && error.contains("max=\"NaN\" in <Real> is not a number"),
+        "{error}"
+    );
+}
+
+#[test]
 fn law_odd_descriptions_are_told() {
     let units = Units::new();
     let odd = common::description(STATEFUL)

@@ -1,6 +1,7 @@
 //! What can be typed after `run`, and numbers that options take.
 
 use clap::Args;
+use orchestrator::limit_of;
 use std::path::PathBuf;
 
 /// `acroscope run`
@@ -58,18 +59,18 @@ pub fn zero_or_more(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "wanted is a finite number, 0 or more".to_owned())
 }
 
-/// A number of seconds above 0.
+/// A number of seconds above 0 that a limit may have.
 ///
 /// # Errors
 /// The text is none, in words.
 pub fn above_zero(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1e9);
-    number.ok_or_else(|| "wanted is a number of seconds above 0".to_owned())
+    let number = text.parse::<f64>().ok().filter(|seconds| limit_of(*seconds).is_some());
+    number.ok_or_else(|| "wanted is a number of seconds above 0 and below 1e9".to_owned())
 }
 
 fn factor(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1e9);
     number.ok_or_else(|| {
-        "wanted is a number above 0: simulated seconds a second; without --real-time a run is as fast as it can be".to_owned()
+        "wanted is a number above 0 and below 1e9: simulated seconds a second; without --real-time a run is as fast as it can be".to_owned()
     })
 }

@@ -308,8 +308,8 @@ fn traits(typed: &Element, declared: Option<&Element>) -> Result<Traits, Fault> 
         typed.attribute(name).or_else(inherited).map(str::to_owned)
     };
     let number = |name: &str| -> Result<Option<f64>, Fault> {
-        match (parsed(typed, name, NUMBER)?, declared) {
-            (None, Some(declared)) => parsed(declared, name, NUMBER),
+        match (limit(typed, name)?, declared) {
+            (None, Some(declared)) => limit(declared, name),
             (own, _) => Ok(own),
         }
     };
@@ -325,6 +325,17 @@ fn traits(typed: &Element, declared: Option<&Element>) -> Result<Traits, Fault> 
         min: number("min")?,
         max: number("max")?,
     })
+}
+
+/// A limit of a variable: a number, and no NaN, which limits nothing.
+fn limit(element: &Element, name: &str) -> Result<Option<f64>, Fault> {
+    let limit: Option<f64> = parsed(element, name, NUMBER)?;
+    match limit {
+        Some(limit) if limit.is_nan() => {
+            Err((element.line, format!("{name}=\"NaN\" in <{}> is not {NUMBER}", element.name)))
+        }
+        limit => Ok(limit),
+    }
 }
 
 /// The names and values of an enumeration.

@@ -98,7 +98,12 @@ impl Instance {
             size_of(self.component(), saved.state, &mut size)
         });
         self.checked("fmi2SerializedFMUstateSize", status)?;
-        let mut bytes = vec![0u8; size];
+        let mut bytes: Vec<u8> = Vec::new();
+        // a unit may say any size
+        if bytes.try_reserve_exact(size).is_err() {
+            return Err(Error::StateSize { unit: self.name().to_owned(), bytes: size });
+        }
+        bytes.resize(size, 0);
         // SAFETY: the buffer has the size that the unit asked for.
         let status = guard::around(self.label(), Function::SerializeFMUstate, || unsafe {
             function(self.component(), saved.state, bytes.as_mut_ptr().cast(), size)

@@ -2,7 +2,7 @@
 //! process ended, if it did. `calls.rs` makes the requests.
 
 use super::death::{Death, Recorded};
-use super::memory::{Part, Shared, Side};
+use super::memory::{BODY, Part, Shared, Side};
 use super::message::Reader;
 use super::place::{self, Mask, Running, Wanted};
 use super::{Host, Isolation, server, table};
@@ -248,6 +248,16 @@ impl Remote {
 
     pub(super) fn nonsense(&mut self) -> c_int {
         self.die("answered what makes no sense, so its memory is spoilt".into(), true);
+        FATAL
+    }
+
+    /// Ends a process whose unit has a state that can't come over.
+    #[cold]
+    pub(super) fn too_large(&mut self, bytes: u64) -> c_int {
+        let how = format!(
+            "was ended, since the unit says that its state has {bytes} bytes, of which {BODY} can leave a process of its own"
+        );
+        self.die(how, true);
         FATAL
     }
 

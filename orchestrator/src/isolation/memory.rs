@@ -55,7 +55,7 @@ pub(super) enum Part {
 
 const LOG: usize = 1 << 16;
 /// A call with more bytes than this is not possible in another process.
-const BODY: usize = 1 << 30;
+pub(super) const BODY: usize = 1 << 30;
 const PARTS: [(usize, usize); 3] = [(4096, LOG), (4096 + LOG, BODY), (4096 + LOG + BODY, BODY)];
 const WHOLE: usize = 4096 + LOG + 2 * BODY;
 

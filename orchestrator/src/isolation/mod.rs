@@ -44,6 +44,15 @@ pub struct Isolation {
     pub host: Option<Host>,
 }
 
+/// Seconds of a limit are fewer: a clock that counts them on from now must hold the sum.
+const LONGEST_LIMIT: f64 = 1e9;
+
+/// So many seconds as a limit; nothing where they are none: above 0 and below 1e9.
+pub fn limit_of(seconds: f64) -> Option<Duration> {
+    let seconds = Some(seconds).filter(|seconds| *seconds > 0.0 && *seconds < LONGEST_LIMIT)?;
+    Duration::try_from_secs_f64(seconds).ok().filter(|limit| !limit.is_zero())
+}
+
 /// A program that serves units: started with these arguments, it comes by [`host_units`] or [`serve_units`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Host {

@@ -1,6 +1,7 @@
 //! The functions of a unit in another process, as if they were those of a library in this one.
 
 use super::client::Remote;
+use super::memory::BODY;
 use crate::fmu::Function;
 use crate::fmu::library::{Callbacks, Component, Functions, State};
 use std::ffi::{c_char, c_int, c_uint};
@@ -286,8 +287,12 @@ unsafe extern "C" fn free_state(component: Component, state: *mut State) -> c_in
 
 unsafe extern "C" fn state_size(component: Component, state: State, size: *mut usize) -> c_int {
     let (status, number) = with_state(component, Function::SerializedFMUstateSize, state);
+    if number > BODY as u64 {
+        // SAFETY: the component is alive.
+        return unsafe { remote(component) }.too_large(number);
+    }
     // SAFETY: the size is somebody's.
-    unsafe { *size = usize::try_from(number).unwrap_or(0) };
+    unsafe { *size = number as usize };
     status
 }
 

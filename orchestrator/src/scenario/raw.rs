@@ -4,7 +4,7 @@ use super::connection::{self, Connection};
 use super::source::{self, Source};
 use super::{Given, Placed, Scenario, UnitEntry};
 use crate::error::{Error, Place};
-use crate::isolation::Isolation;
+use crate::isolation::{Isolation, limit_of};
 use crate::time::Rational;
 use serde::Deserialize;
 use std::cell::RefCell;
@@ -12,7 +12,6 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -281,10 +280,14 @@ fn isolation(at: &Text, unit: &Unit) -> Result<Option<Isolation>, Error> {
         return Err(at.wrong(span, key, "it goes with isolate = true"));
     }
     if let Some(limit) = &unit.step_limit {
-        let wrong =
-            || at.wrong(limit.span(), format!("step_limit = {}", limit.get_ref()), "seconds, above zero");
-        let duration = Duration::try_from_secs_f64(*limit.get_ref()).ok().filter(|limit| !limit.is_zero());
-        isolation.step_limit = duration.ok_or_else(wrong)?;
+        let wrong = || {
+            at.wrong(
+                limit.span(),
+                format!("step_limit = {}", limit.get_ref()),
+                "seconds, above zero and below 1e9",
+            )
+        };
+        isolation.step_limit = limit_of(*limit.get_ref()).ok_or_else(wrong)?;
     }
     if let Some(limit) = &unit.memory_limit {
         let wrong =

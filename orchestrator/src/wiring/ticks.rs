@@ -85,8 +85,7 @@ pub(crate) fn clock(scenario: &Scenario) -> Result<(Clock, Ticks), Error> {
             |unit: &UnitEntry| unit.offset.as_ref().map_or(Some(0), |offset| clock.ticks(offset.value));
         let offsets = scenario.units.iter().map(offset).collect::<Option<_>>()?;
         let (start, stop) = (clock.ticks(scenario.start)?, clock.ticks(scenario.stop)?);
-        // Half of the range is left for the sums of a time and a delay or interval.
-        let fits = |ticks: i64| clock.holds(ticks) && ticks.unsigned_abs() < 1 << 62;
+        let fits = |ticks: i64| clock.holds(ticks);
         let delays_fit = scenario.connections.iter().all(|c| clock.ticks(c.delay).is_some_and(fits));
         (fits(start) && fits(stop) && delays_fit)
             .then_some((clock, Ticks { start, stop, intervals, offsets }))

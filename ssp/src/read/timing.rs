@@ -4,11 +4,10 @@
 use super::document::{Document, find, ours};
 use super::tree::{Component, Tree};
 use crate::{Error, annotation};
-use orchestrator::Isolation;
 use orchestrator::scenario::{Channel, Hold, Placed};
 use orchestrator::time::Rational;
 use orchestrator::xml::Element;
-use std::time::Duration;
+use orchestrator::{Isolation, limit_of};
 
 /// A run of which nobody says how long it lasts, in s.
 const LASTS: i128 = 1;
@@ -185,9 +184,9 @@ pub(super) fn isolation(component: &Component) -> Result<Option<Isolation>, Erro
     }
     let mut isolation = Isolation::default();
     if let Some(seconds) = document.number(own, "step_limit")? {
-        let limit = Duration::try_from_secs_f64(seconds).ok().filter(|limit| !limit.is_zero());
-        isolation.step_limit = limit
-            .ok_or_else(|| document.wrong(own, format!("step_limit=\"{seconds}\""), "seconds, above zero"))?;
+        let wrong =
+            || document.wrong(own, format!("step_limit=\"{seconds}\""), "seconds, above zero and below 1e9");
+        isolation.step_limit = limit_of(seconds).ok_or_else(wrong)?;
     }
     if let Some(text) = own.attribute("memory_limit") {
         let bytes =

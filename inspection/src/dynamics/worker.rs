@@ -286,13 +286,17 @@ fn how(status: ExitStatus) -> (&'static str, String) {
     ("exit", format!("ended its process by exit with status {}", status.code().unwrap_or_default()))
 }
 
+/// A line that is longer is read in pieces of so many bytes: hundred times the findings about a unit of a thousand variables.
+const LONGEST_LINE: u64 = 1 << 24;
+
 /// Reads what the process says, for as long as it lives.
 fn listen(out: ChildStdout, show: bool) -> Receiver<Line> {
     let (tell, heard) = channel();
     std::thread::spawn(move || {
         let mut lines = BufReader::new(out);
         let mut bytes = Vec::new();
-        while lines.read_until(b'\n', &mut bytes).is_ok_and(|read| read > 0) {
+        // a unit that prints without end ends no line
+        while lines.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes).is_ok_and(|read| read > 0) {
             let text = String::from_utf8_lossy(&bytes);
             let text = text.trim_end_matches(['\n', '\r']);
             let said = text.strip_prefix(MARK).and_then(|rest| Some((rest.chars().next()?, rest.get(1..)?)));

@@ -1,4 +1,4 @@
-//! What the texts of attributes may be.
+//! Whether an attribute's text is of its XML Schema type.
 
 use super::tables::Holds;
 use crate::model;

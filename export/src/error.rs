@@ -13,6 +13,14 @@ pub enum Error {
         /// Why.
         why: String,
     },
+    /// A time that MCAP has no number for.
+    #[error("{}: a row at {time} s: MCAP counts nanoseconds from 0 up to 584 years; Parquet takes any time", path.display())]
+    Time {
+        /// The file.
+        path: PathBuf,
+        /// The time in s.
+        time: f64,
+    },
     /// The results hold something that no number is.
     #[error("{}:{line}: {column} is {value:?}, not a number", path.display())]
     Value {

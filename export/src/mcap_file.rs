@@ -69,7 +69,8 @@ fn write(
     };
     let mut sequence = 0;
     while rows.advance()? {
-        let time = nanoseconds(rows.number(0)?);
+        let time = rows.number(0)?;
+        let time = nanoseconds(time).ok_or_else(|| Error::Time { path: results.to_owned(), time })?;
         for topic in &topics {
             let message = values(&rows, topic)?.to_string();
             put(&mut writer, topic.channel, sequence, time, message.as_bytes()).map_err(refused(target))?;
@@ -104,9 +105,10 @@ fn put(writer: &mut Writer, channel_id: u16, sequence: u32, time: u64, data: &[u
     )
 }
 
-/// Simulated time as MCAP counts it; what is before 0 can't be told.
-fn nanoseconds(time: f64) -> u64 {
-    (time * 1e9).round() as u64
+/// Simulated time as MCAP counts it; nothing where it can't.
+fn nanoseconds(time: f64) -> Option<u64> {
+    let time = (time * 1e9).round();
+    (0.0..u64::MAX as f64).contains(&time).then_some(time as u64)
 }
 
 /// A channel for each unit, in the order in which the units come.

@@ -22,9 +22,14 @@ impl Rows {
 
     /// Goes to the next row; false at the end.
     pub fn advance(&mut self) -> Result<bool, Error> {
-        match self.reader.read_record(&mut self.record) {
-            Err(error) if matches!(error.kind(), csv::ErrorKind::UnequalLengths { .. }) => Ok(false),
-            read => read.map_err(file(&self.path)),
+        let read = self.reader.read_record(&mut self.record);
+        match &read {
+            Err(error) if matches!(error.kind(), csv::ErrorKind::UnequalLengths { .. }) => {
+                // the last line may have been cut off; one before it is damage
+                let is_last = matches!(self.reader.read_record(&mut csv::StringRecord::new()), Ok(false));
+                if is_last { Ok(false) } else { read.map_err(file(&self.path)) }
+            }
+            _ => read.map_err(file(&self.path)),
         }
     }
 

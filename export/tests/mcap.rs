@@ -111,6 +111,24 @@ fn every_text_in_place_of_a_number_is_told_with_its_line() {
 /// A device on which nothing has room stands for the disk.
 #[cfg(target_os = "linux")]
 #[test]
+fn bad_rows_and_times_are_told() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let results = folder.path().join("results.csv");
+    let told = |text: &str| {
+        std::fs::write(&results, text).expect("writable");
+        let columns = [column("a.x", Kind::Real, None)];
+        write_mcap(&folder.path().join("results.mcap"), &results, &columns, None)
+            .map_err(|why| why.to_string())
+    };
+    // the last line may have been cut off; one before it is damage
+    assert_eq!(told("time,a.x\n0,1\n1"), Ok(()));
+    let damage = told("time,a.x\n0,1\n1\n2,3\n").expect_err("a row of one cell");
+    assert!(damage.contains("line: 3"), "{damage}");
+    let before = told("time,a.x\n-1,1\n").expect_err("before 0");
+    assert!(before.contains("results.csv: a row at -1 s: MCAP counts nanoseconds from 0"), "{before}");
+}
+
+#[test]
 fn law_a_full_disk_is_told_and_no_half_file_is_left() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (results, target) = (folder.path().join("results.csv"), folder.path().join("results.mcap"));

@@ -25,7 +25,7 @@ pub(super) fn resolve(
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<Candidate>, Error> {
     let Some(listed) = &file.raw.candidate else {
-        let found = by_itself(model, states);
+        let found = by_itself(model, states, notices);
         let names: Vec<&str> = found.iter().map(|candidate| candidate.name.as_str()).collect();
         let message = match names.as_slice() {
             [] => "no [[candidate]], and the model has no parameter to set: only effects at ports are looked for".into(),
@@ -51,8 +51,8 @@ pub(super) fn resolve(
     Ok(candidates)
 }
 
-/// Every tunable or fixed parameter, but those that start a state.
-fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
+/// Every tunable or fixed parameter, but those that start a state, and those whose own limits leave no range around their value.
+fn by_itself(model: &Nominal, states: &[State], notices: &mut Vec<Notice>) -> Vec<Candidate> {
     let every = (0..model.fmus.len()).flat_map(|instance| {
         let places = 0..model.description(instance).variables.len();
         places.map(move |place| VariableId { instance, place })
@@ -62,20 +62,35 @@ fn by_itself(model: &Nominal, states: &[State]) -> Vec<Candidate> {
         let is_clear = !model.description(id.instance).is_ambiguous(&variable.name);
         is_clear && may_move(variable) && states.iter().all(|state| state.start != *id)
     };
-    let made = |id: VariableId| {
+    let mut made = |id: VariableId| {
         let variable = model.variable(id);
-        let neutral = model.number(id)?;
+        let (neutral, range) = (model.number(id)?, limits(variable));
+        if !holds(range, neutral) {
+            let message = format!("{}, and is no candidate", outside(&model.name(id), neutral, range));
+            notices.push(Notice { file: "dataset.toml".into(), line: 0, message });
+            return None;
+        }
         Some(Candidate {
             name: model.name(id),
             variable: id,
             neutral,
-            range: limits(variable),
+            range,
             phrase: phrase(model, id),
             scale: usual(variable, neutral),
             line: 0,
         })
     };
-    every.filter(fits).filter_map(made).collect()
+    every.filter(fits).filter_map(&mut made).collect()
+}
+
+/// Whether a value lies in a range; nothing lies in one whose ends are exchanged.
+fn holds((low, high): (f64, f64), value: f64) -> bool {
+    low <= value && value <= high
+}
+
+/// What to say of a value outside of the unit's own limits.
+fn outside(name: &str, value: f64, (least, most): (f64, f64)) -> String {
+    format!("{name} = {value} lies outside of its own limits, {least} to {most}")
 }
 
 fn may_move(variable: &Variable) -> bool {
@@ -218,23 +233,27 @@ fn range(
     notices: &mut Vec<Notice>,
 ) -> Result<(f64, f64), Error> {
     let described = limits(variable);
+    // 0 of a saturation is none, wherever its values begin
+    let is_unlimited = neutral == 0.0 && scale == Scale::Saturation && described.0 <= described.1;
+    if !holds(described, neutral) && !is_unlimited {
+        let problem = outside(&variable.name, neutral, described);
+        return Err(file.wrong(&raw.variable.span(), format!("{problem}: [set] it, or mend its description")));
+    }
     let Some(given) = &raw.range else { return Ok(described) };
     let (low, high) = *given.get_ref();
     let wrong = |problem: String| file.wrong(&given.span(), format!("range = [{low}, {high}]: {problem}"));
     if low.is_nan() || high.is_nan() || low >= high {
         return Err(wrong("the smaller value first".into()));
     }
-    let holds = |(low, high): (f64, f64)| low <= neutral && neutral <= high;
     let line = file.line(&given.span());
     let mut tell = |message: String| notices.push(Notice { file: "dataset.toml".into(), line, message });
-    // 0 of a saturation is none, wherever its values begin
     let is_none = |low: f64| scale == Scale::Saturation && low == 0.0;
     let mut within = |(low, high): (f64, f64)| {
         if lies_in((if is_none(low) { described.0 } else { low }, high), described) {
             return Ok((low, high));
         }
         let cut = (if is_none(low) { low } else { low.max(described.0) }, high.min(described.1));
-        if cut.0 >= cut.1 || scale != Scale::Saturation && !holds(cut) {
+        if cut.0 >= cut.1 || scale != Scale::Saturation && !holds(cut, neutral) {
             return Err(wrong(beyond(variable)));
         }
         tell(format!(
@@ -246,7 +265,7 @@ fn range(
         ));
         Ok(cut)
     };
-    if holds((low, high)) || scale == Scale::Saturation {
+    if holds((low, high), neutral) || scale == Scale::Saturation {
         return within((low, high));
     }
     let Some((range, how)) = relative((low, high), neutral).filter(|_| scale == Scale::Relative) else {

@@ -238,7 +238,7 @@ impl RunAt<'_> {
         let there = match kind {
             OutputEffect::Lag => lag::lagged(&self.grid.time, &begun, &values, chord.to),
             OutputEffect::Delay => lag::delayed(&self.grid.time, &begun, &values, chord.to),
-            _ => return None,
+            OutputEffect::Gain | OutputEffect::Offset | OutputEffect::Drift => return None,
         };
         Some(difference(&there, &values, chord.per))
     }

@@ -11,7 +11,7 @@ use crate::error::{Error, Notice};
 use crate::infer::fit::{At, Linearise};
 use crate::infer::likelihood::maximise;
 use crate::infer::sweep::MOST_STATES;
-use crate::infer::{Linearised, Noise, Sizes};
+use crate::infer::{Linearised, Noise, Sizes, first_process_noise};
 use crate::nuisance::{Scatter, scatter};
 use crate::observe::{Problem, Run};
 use crate::statistics::levels::{FEW, anywhere_in};
@@ -100,7 +100,7 @@ pub fn build(problem: &Problem, runs: &[(&Run, Span)]) -> Result<Built, Error> {
     let sizes = noise_sizes(&engine, &scatter, interval);
     let noise = Noise {
         channels: sensors,
-        process: engine.scales.iter().map(|scale| 0.3 * scale / (10.0 * interval).sqrt()).collect(),
+        process: engine.scales.iter().map(|scale| first_process_noise(*scale, interval)).collect(),
         jitter: 1e-3 * interval,
         disturbance: None,
     };

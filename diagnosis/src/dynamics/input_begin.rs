@@ -24,9 +24,17 @@ pub(super) struct Begin {
 
 /// The inputs that lag with these parameters.
 pub(super) fn lagging(machine: &Machine, theta: &[f64]) -> Vec<usize> {
-    let of = |(parameter, value): (&Parameter, &f64)| match parameter.role {
-        Role::Input(input, InputEffect::Lag) if *value > 0.0 => Some(input),
-        _ => None,
+    let of = |(parameter, value): (&Parameter, &f64)| {
+        let Role::Input(input, kind) = parameter.role else { return None };
+        let lags = match kind {
+            InputEffect::Lag => *value > 0.0,
+            InputEffect::Delay
+            | InputEffect::Saturation
+            | InputEffect::RateLimit
+            | InputEffect::Gain
+            | InputEffect::Bias => false,
+        };
+        lags.then_some(input)
     };
     machine.parameters.iter().zip(theta).filter_map(of).collect()
 }

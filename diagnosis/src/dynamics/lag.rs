@@ -62,11 +62,13 @@ pub(super) struct Lag {
 
 /// The channels that lag for these parameters.
 pub(super) fn active(machine: &Machine, theta: &[f64]) -> Vec<Lag> {
-    let of = |(parameter, value): (usize, &f64)| match machine.parameters[parameter].role {
-        Role::Output(channel, OutputEffect::Lag) if *value > 0.0 => {
-            Some(Lag { channel, parameter, time: *value })
-        }
-        _ => None,
+    let of = |(parameter, value): (usize, &f64)| {
+        let Role::Output(channel, kind) = machine.parameters[parameter].role else { return None };
+        let lags = match kind {
+            OutputEffect::Lag => *value > 0.0,
+            OutputEffect::Delay | OutputEffect::Gain | OutputEffect::Offset | OutputEffect::Drift => false,
+        };
+        lags.then_some(Lag { channel, parameter, time: *value })
     };
     theta.iter().enumerate().filter_map(of).collect()
 }

@@ -15,7 +15,7 @@ use crate::dynamics::schedule::input_effects;
 use crate::error::Error;
 use crate::infer::fit::Path;
 use crate::infer::likelihood::maximise;
-use crate::infer::{Linearised, Noise, Sizes, smooth};
+use crate::infer::{Linearised, Noise, Sizes, first_process_noise, smooth};
 use crate::observe::{Hold, InputEffect, Scale};
 use crate::ports::input::Effects;
 use crate::search::trials::interval;
@@ -152,7 +152,7 @@ fn first_noises(studied: &Studied, noise: &Noise, size: f64, row: f64) -> (Sizes
     let mut begun = sizes.quieted(Noise { disturbance: None, ..noise.clone() });
     sizes.process.push((1e-6 * size / span.sqrt(), 1e2 * size / row.sqrt()));
     sizes.pinned.push(false);
-    begun.process.push(0.3 * size / (10.0 * row).sqrt());
+    begun.process.push(first_process_noise(size, row));
     (sizes, begun)
 }
 

@@ -256,7 +256,8 @@ fn allowed_rise(runs: &[Linearised], options: &Options) -> f64 {
     f64::max(1.0, options.rise * values as f64)
 }
 
-/// Levenberg's damping: none at first, more after each round that failed.
+/// Levenberg's damping: none at first, then 1, then eight times as much after each further round that failed. Numerical only: it says how soon a
+/// fit gives up, and not where it ends.
 struct Damping {
     factor: f64,
     failures: usize,

@@ -228,7 +228,8 @@ fn lowest(
     lowest.map_or(here, |(_, at)| swept(at))
 }
 
-/// The first of ever shorter steps that lowers the deviance by a share of what it is predicted to; nothing where none of a few does.
+/// The first of ever shorter steps that lowers the deviance by a share of what it is predicted to (Armijo's rule: Nocedal and Wright, Numerical
+/// Optimization, section 3.1, whose share this is); nothing where none of a few does.
 fn backtracked(
     value: f64,
     predicted_decrease: f64,

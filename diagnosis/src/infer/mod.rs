@@ -26,5 +26,5 @@ pub mod sweep;
 pub use fit::{At, Fit, fit};
 pub use likelihood::{Sizes, maximise};
 pub use linearised::{Linearised, Measured};
-pub use noise::{Disturbance, Noise};
+pub use noise::{Disturbance, Noise, first_process_noise};
 pub use smooth::smooth;

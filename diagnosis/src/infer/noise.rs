@@ -24,6 +24,11 @@ pub struct Disturbance {
     pub memory: f64,
 }
 
+/// Size of a process noise from which its search begins: over ten rows, so far apart, it moves a state by a third of its scale. Numerical only.
+pub fn first_process_noise(scale: f64, row: f64) -> f64 {
+    0.3 * scale / (10.0 * row).sqrt()
+}
+
 impl Noise {
     /// Variance of a measured value.
     #[inline]

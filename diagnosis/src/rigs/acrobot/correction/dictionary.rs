@@ -27,7 +27,7 @@ pub enum Follows {
 }
 
 /// Terms of an axis: stem of the coefficient, its unit, what it follows, and a phrase.
-const TERMS: [(&str, &str, Follows, &str); 8] = [
+const TERMS: &[(&str, &str, Follows, &str)] = &[
     ("bias", "N·m", Follows::Nothing, "a constant"),
     ("spring", "N·m/rad", Follows::Angle, "in proportion to the angle"),
     ("even", "N·m/rad²", Follows::Angle, "with the square of the angle"),
@@ -61,7 +61,7 @@ pub struct Entry {
 pub fn entries() -> Vec<Entry> {
     let mut all = Vec::new();
     for (axis, place, of) in AXES {
-        for (stem, measure, follows, phrase) in TERMS {
+        for &(stem, measure, follows, phrase) in TERMS {
             let entry = |slow: Option<f64>| Entry {
                 coefficient: format!("{stem}_{axis}"),
                 slow: slow.map(|slow| (format!("slow_{axis}"), slow)),

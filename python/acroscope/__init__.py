@@ -3,7 +3,7 @@
     import acroscope as ac
 
     r = ac.run("visual-servo", {"camera.T_delay": 0.05}, stop=5)
-    r.verdict                   # "lost balance at 1.887 s ..."
+    r.verdict                   # "lost balance at t = 1.887 s ..."
     r["plant.z"]                # a NumPy array
     polars.DataFrame(r)         # also pyarrow.table(r), pandas.DataFrame.from_arrow(r)
     r.plot()

@@ -1,4 +1,4 @@
-"""Opens the answers after the diagnoses are done and prints the measures of the issue, with n and Wilson intervals.
+"""Opens the answers after the diagnoses are done and prints the measures, with n and Wilson intervals.
 
 DIAGNOSES holds SET/diagnosis.json (and, where known, SET/seconds.txt with the processor time); ANSWERS holds SET/answer.toml.
 A set without a diagnosis counts as wrong. Rivals leave null what they cannot state; such an entry joins no measure of it.

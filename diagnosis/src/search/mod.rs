@@ -1,6 +1,6 @@
 //! Which effects the model lacks: add, drop and swap over one list, with a memory of the models visited.
 //!
-//! - `trials.rs`: from where an effect is tried (a derivative; for limits, switches and long delays a chord)
+//! - `trials.rs`: the values of a parameter at which its effect is screened (a derivative; for limits, switches and long delays a chord)
 //! - `screen.rs`: what each would gain, on one linearisation, with the noises taken anew
 //! - `screened.rs`: fits of what was screened, from where it begins
 //! - `late.rs`: delays of sensors, screened along the model's own path

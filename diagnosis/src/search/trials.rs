@@ -1,4 +1,4 @@
-//! From where an effect is tried.
+//! The values of a parameter at which its effect is screened.
 
 use super::policy::SEARCHING;
 use crate::dynamics::linearise::{Chord, Engine};

@@ -1,4 +1,4 @@
-//! The middle of numbers.
+//! The median.
 
 /// The middle of these by size, of an even count the upper one of both; `None` where there are none.
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {

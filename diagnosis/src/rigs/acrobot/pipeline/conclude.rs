@@ -1,4 +1,4 @@
-//! What all parts say together.
+//! One diagnosis of all parts: effects, what has no name, gap, verdict, next experiment, amended scenario.
 
 use super::Rig;
 use super::compare::{Compared, Part};

@@ -3,6 +3,7 @@
 //! No reading is beyond doubt before a fit then: the nominal model follows the logs in none. As they are read something is left that has no name,
 //! or a gain is named that is the ratio of two units. In the right reading what the machine lacks has its name, and nothing is left.
 
+use super::held_or_lines::likelier_lines;
 use super::mismatch::held_out;
 use super::rows_left_out::parted;
 use super::study::{Studied, search_without_left_out, unnamed};
@@ -63,8 +64,10 @@ fn ends_at_a_range(found: &Studied) -> bool {
 
 /// Readings that are worth a search.
 fn readings(problem: &Problem, all: &Studied, is_doubted: bool) -> Vec<Reading> {
-    // an input that acts half a row late is made up for by whatever makes a machine quicker, and by a shorter delay
-    let lines = if is_doubted || !all.effects.is_empty() { lines(problem) } else { None };
+    // an input that acts half a row late is made up for by whatever makes a machine quicker, and by a shorter delay; where a few rows say that
+    // it was held, a search in all of them says no other
+    let asks_lines = is_doubted || !all.effects.is_empty() && likelier_lines(problem) != Some(false);
+    let lines = if asks_lines { lines(problem) } else { None };
     lines.into_iter().chain(if is_doubted { nearer(problem) } else { Vec::new() }).collect()
 }
 

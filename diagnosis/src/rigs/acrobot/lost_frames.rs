@@ -5,7 +5,7 @@
 
 use crate::error::Notice;
 use crate::rigs::acrobot::dataset::{DataSet, Run, Table};
-use crate::statistics::levels::{MORE, SMALL};
+use crate::statistics::levels::{HALF, MORE, SMALL};
 
 /// What the timestamps say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,8 +58,8 @@ fn gaps(camera: &Table, controller: Option<&Table>, interval: f64) -> Vec<Gap> {
     // where rows of the file were excluded, frames are not lost
     let broken: Vec<(f64, f64)> = camera.broken().collect();
     let count = camera.column("frame");
-    let torques =
-        controller.filter(|_| count.is_none()).map(changes).filter(|at| follows_frames(camera, at, interval));
+    let torques = controller.filter(|_| count.is_none()).map(|log| answers(camera, &changes(log), interval));
+    let torques = torques.filter(|at| follows_frames(camera, at, interval));
     let gap = |row: usize| {
         let (from, to) = (camera.time[row], camera.time[row + 1]);
         let missing = ((to - from) / interval).round() - 1.0;
@@ -80,7 +80,21 @@ fn changes(controller: &Table) -> Vec<f64> {
     new.map(|pair| controller.time[pair[1]]).collect()
 }
 
-/// How many of these times lie between two, however long after a frame its torque comes.
+/// When torques are commanded, each half an interval after the frame that it answers, however long it takes: computers read their clocks late, and a
+/// torque that comes at once may be stamped before its frame. The typical phase is the mean of a circle's (Mardia, Jupp, Directional Statistics, section 2.2).
+fn answers(camera: &Table, torques: &[f64], interval: f64) -> Vec<f64> {
+    let phase = |time: &f64| {
+        let next = camera.time.partition_point(|frame| frame <= time);
+        let since = time - camera.time.get(next.checked_sub(1)?)?;
+        (since < MORE * interval).then_some(std::f64::consts::TAU * since / interval)
+    };
+    let on_circle = torques.iter().filter_map(phase).map(|phase| (libm::sin(phase), libm::cos(phase)));
+    let (sin, cos) = on_circle.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    let typical = libm::atan2(sin, cos).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+    torques.iter().map(|time| time + (HALF - typical) * interval).collect()
+}
+
+/// How many of these times lie between two.
 fn between(times: &[f64], from: f64, to: f64) -> usize {
     times.partition_point(|time| *time < to).saturating_sub(times.partition_point(|time| *time < from))
 }
@@ -203,6 +217,12 @@ mod tests {
             [lost(&torque(&gone, 1)), lost(&torque(&[50], 1)), lost(&torque(&[], 1))],
             [3.0, 1.0, 0.0]
         );
+        // one that comes at once, and both logs read their clocks up to 2 ms late
+        let late = |row: usize, of: usize| (row as f64 / 30.0) + 2e-3 * ((row * of) % 7) as f64 / 7.0;
+        let frames = (0..100).filter(|row| !gone.contains(row)).map(|row| late(row, 3)).collect();
+        let at_once = (0..100).map(|row| (late(row, 5), row as f64)).unzip();
+        let controller = Table::new(at_once.0, vec![("tau".into(), at_once.1)]);
+        assert_eq!(losses_of(&Table::new(frames, Vec::new()), Some(&controller), 1.0 / 30.0).lost, 0.0);
         // cells that are empty where frames were lost are no answer
         let time = (0..100).map(|row| row as f64 / 30.0 + 0.007).collect();
         let tau = (0..100).map(|row| if gone.contains(&row) { f64::NAN } else { row as f64 }).collect();

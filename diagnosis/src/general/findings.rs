@@ -143,7 +143,8 @@ pub fn detectable(studied: &Studied) -> Result<BTreeMap<String, f64>, Error> {
         let mut with: Vec<usize> = (0..own).collect();
         with.push(own + place);
         let Some(covariance) = inverse(&submatrix(&gram, &with)) else { continue };
-        let size = (studied.policy.sure * covariance[(own, own)]).sqrt();
+        // at what a name must gain half would be found
+        let size = (studied.policy.sure.sqrt() + WITHIN) * covariance[(own, own)].sqrt();
         let (least, most) = engine.machine.parameters[*parameter].range;
         if size.is_finite() && size < most - least {
             told.insert(engine.machine.parameters[*parameter].name.clone(), size);

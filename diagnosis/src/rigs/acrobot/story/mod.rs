@@ -3,7 +3,9 @@
 use crate::diagnosis::{Effect, Gap, Unknown};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::correction::Correction;
+use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::rigs::acrobot::selection::{Step, Study};
+use crate::statistics::levels::FINE;
 pub use crate::text::brief;
 
 /// One study in sentences.
@@ -105,12 +107,24 @@ fn of_step(step: &Step, list: &[Candidate]) -> String {
             list[index].phrase,
             decrease(step.mean_square)
         ),
-        None => format!(
-            "What remains resembles {seen}; the best of all candidates looks so by chance with probability \
-             {:.3}. Nothing more is named.",
-            step.p_value
-        ),
+        None => {
+            let but = if step.p_value < SELECTION.alpha {
+                "That is more than chance and less than a name takes: it must be certain alone, and left-out runs must agree. An effect somewhat below \
+                 what would be found looks so. "
+            } else {
+                ""
+            };
+            format!(
+                "What remains resembles {seen}; the best of all candidates looks so by chance with probability {}. {but}Nothing more is named.",
+                probability(step.p_value)
+            )
+        }
     }
+}
+
+/// A probability; one that rounds to none is below what is written.
+fn probability(of: f64) -> String {
+    if of < FINE { format!("below {FINE}") } else { format!("{of:.3}") }
 }
 
 /// What is left in the end: something without a name, a gap, or noise.

@@ -2,6 +2,7 @@
 //! order in which they are asked. To add one, add a file and a line.
 
 mod beside;
+mod changing_light;
 mod changing_value;
 mod circle_beside;
 mod clock_drift;
@@ -84,6 +85,7 @@ const OF_THE_MODEL: &[Doubt] = &[
     residual::doubt,
     unlisted_lens::doubt,
     unlisted_light::doubt,
+    changing_light::doubt,
     unlisted_law::doubt,
     lone_readings::doubt,
     confounded::doubt,

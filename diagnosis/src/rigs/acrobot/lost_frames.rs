@@ -73,7 +73,7 @@ fn gaps(camera: &Table, controller: Option<&Table>, interval: f64) -> Vec<Gap> {
 }
 
 /// When a new torque is commanded, s; a cell that is empty commands none.
-fn changes(controller: &Table) -> Vec<f64> {
+pub fn changes(controller: &Table) -> Vec<f64> {
     let Some(torque) = controller.column("tau") else { return Vec::new() };
     let known: Vec<usize> = (0..torque.len()).filter(|row| torque[*row].is_finite()).collect();
     let new = known.windows(2).filter(|pair| torque[pair[1]] != torque[pair[0]]);

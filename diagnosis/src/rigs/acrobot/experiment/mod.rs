@@ -5,10 +5,12 @@
 //! - [`mod@simulate`]: what a lab would log.
 //! - [`cuts`] and [`separation`]: what a diagnosis of that would lose by taking one member for another.
 //! - [`choose`]: which is best, in words.
+//! - [`loop_of_logs`]: whether the lab's loop is the one that was simulated.
 
 mod catalogue;
 mod choose;
 mod cuts;
+mod loop_of_logs;
 mod motion;
 mod policy;
 mod scenario;
@@ -27,7 +29,7 @@ use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::{Alternative, CLASS, Study};
-use catalogue::{AGAIN, CATALOGUE, Experiment};
+use catalogue::{AGAIN, CATALOGUE, Change, Experiment};
 use choose::Tried;
 use orchestrator::{Simulation, UnitPath};
 use scenario::{Logs, Prepared, prepare, refused};
@@ -182,7 +184,27 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     separation.extend(failed.into_iter().map(not_simulated));
     let text = text(question, best).ok();
     let planned = planned(question, best.entry, simulated).ok();
-    (Some(NextExperiment { planned, ..told_next(question, best, separation, text.is_some()) }), text)
+    let told = told_next(question, best, separation, text.is_some());
+    let what = std::iter::once(told.what.clone()).chain(promised_of(question, best.entry, likely, simulated));
+    (Some(NextExperiment { planned, what: what.collect::<Vec<_>>().join(" "), ..told }), text)
+}
+
+/// What a promise is of: how many runs, and in which loop.
+fn promised_of(
+    question: &Question<'_>,
+    entry: &'static Experiment,
+    truth: usize,
+    simulated: &mut Simulated,
+) -> Vec<String> {
+    let Ok(Some(prepared)) = prepare(question.data, question.model, entry) else { return Vec::new() };
+    let moves = entry.changes.iter().any(|change| matches!(change, Change::Desired(_) | Change::Hang));
+    let runs = Some(prepared.repeats.round()).filter(|runs| moves && *runs > 1.0);
+    let runs = runs.map(|runs| format!("Make {runs} such runs: as long in all as those that were made."));
+    let closed = prepared.scenario.units.iter().any(|unit| unit.name == "controller");
+    let made = Bench::new(question, &prepared).and_then(|bench| bench.logged(truth, simulated));
+    let made = made.ok().and_then(|run| run.controller).filter(|_| closed);
+    let other = made.and_then(|made| loop_of_logs::quicker_than(&made, question.data));
+    runs.into_iter().chain(other).collect()
 }
 
 /// An experiment that could not be simulated, and why.

@@ -112,8 +112,8 @@ fn every_entry_says_in_its_words_what_it_changes() {
     }
 }
 
-/// A rehearsal of 15 s with an effect, logged as told, without noise.
-fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
+/// A data set of the shipped machine without a run.
+pub(super) fn nothing_logged() -> DataSet {
     let manifest = Manifest {
         stated: crate::rigs::acrobot::dataset::stated_log::Stated::default(),
         scenario: "visual-servo".into(),
@@ -121,7 +121,7 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         noise: BTreeMap::new(),
         runs: Vec::new(),
     };
-    let empty = DataSet {
+    DataSet {
         path: ".".into(),
         manifest,
         runs: Vec::new(),
@@ -130,7 +130,12 @@ fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
         late_by_hand: 0.0,
         frames_apart: false,
         blind: std::collections::BTreeMap::new(),
-    };
+    }
+}
+
+/// A rehearsal of 15 s with an effect, logged as told, without noise.
+fn rehearsed(hidden: (&str, &str), encoders: bool) -> (DataSet, Model) {
+    let empty = nothing_logged();
     let units = scenarios::unit_path();
     let model = Model::load(&empty, &units).expect("cargo xtask pack was run");
     let mut scenario = model.scenario.clone();

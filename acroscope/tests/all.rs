@@ -7,6 +7,7 @@ mod formats;
 mod help;
 mod misbehave;
 mod named_files;
+mod noticed;
 mod readme;
 mod refused;
 mod reproduce;

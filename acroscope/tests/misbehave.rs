@@ -16,7 +16,7 @@ fn scenario_of(fault: i32) -> String {
 }
 
 /// Exit status, standard error and the last time in `results.csv`.
-fn run(units: &Units, out: &Path, fault: i32, more: &[&str]) -> (Option<i32>, String, f64) {
+pub(crate) fn run(units: &Units, out: &Path, fault: i32, more: &[&str]) -> (Option<i32>, String, f64) {
     let text = scenario_of(fault);
     let scenario = units.path().join("scenario.toml");
     std::fs::write(&scenario, text).expect("writable");
@@ -171,7 +171,7 @@ fn every_thread_that_a_unit_begins_or_ends_is_survived_or_told() {
 }
 
 /// The notes of a run's summary that have a word in them.
-fn noted(out: &Path, fault: i32, word: &str) -> usize {
+pub(crate) fn noted(out: &Path, fault: i32, word: &str) -> usize {
     let text = std::fs::read_to_string(out.join(fault.to_string()).join("summary.json")).expect("a summary");
     text.lines().filter(|line| line.contains(word)).count()
 }
@@ -217,6 +217,7 @@ fn every_end_that_a_unit_brings_about_is_told_and_rows_are_kept() {
         (9, "it ended the program by calling exit in fmi2DoStep", "its process ended by exit with status 0"),
         (10, "it crashed with a segmentation fault (SIGSEGV) in fmi2DoStep", "SIGSEGV"),
         (11, "it gave up (SIGABRT) in fmi2DoStep", "SIGABRT"),
+        (13, "it sent this program SIGTERM in fmi2DoStep", "its process was ended by signal 15 (SIGTERM)"),
         (
             12,
             "it ended the program by calling _exit in fmi2DoStep",

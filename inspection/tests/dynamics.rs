@@ -144,7 +144,9 @@ fn law_a_variable_that_can_not_be_read_is_named() {
     let path = units.pack("reference.fmu", &text, &common::library());
     let findings = check(&path);
     let named = findings.iter().any(|finding| {
-        finding.variable.as_deref() == Some("x0") && finding.text.contains("fmi2GetReal answered error")
+        finding.variable.as_deref() == Some("x0")
+            && finding.text.contains("fmi2GetReal of ")
+            && finding.text.contains(" answered error")
     });
     assert!(named, "{findings:#?}");
 }

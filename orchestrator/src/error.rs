@@ -1,6 +1,7 @@
 //! What can go wrong, with the values that a person needs to put it right.
 
 use crate::fmu::{LogLine, Status};
+use crate::words::{at, few, listed, reached, reasons, tail};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -167,6 +168,22 @@ pub enum Error {
         /// What the unit logged.
         log: Vec<LogLine>,
     },
+    /// A call that reads or writes variables failed.
+    #[error("unit {unit}: {function} of {}{} answered {status}{}", few(variables), at(*time), tail(log))]
+    Access {
+        /// Name in the scenario.
+        unit: String,
+        /// The function.
+        function: &'static str,
+        /// The variables that it was about, as many as they are.
+        variables: Vec<String>,
+        /// What it answered.
+        status: Status,
+        /// Simulated time in s, if there was one.
+        time: Option<f64>,
+        /// What the unit logged.
+        log: Vec<LogLine>,
+    },
     /// A unit's state takes more memory than there is.
     #[error("unit {unit}: fmi2SerializedFMUstateSize asks for {bytes} bytes, for which there is no memory")]
     StateSize {
@@ -309,6 +326,7 @@ impl Error {
                 | Self::Loop { .. }
                 | Self::Coupling { .. }
                 | Self::Call { time: None, .. }
+                | Self::Access { time: None, .. }
                 | Self::Instantiate { .. }
         );
         theirs && !crate::machine::failed(&self.to_string())
@@ -317,7 +335,10 @@ impl Error {
     /// An error with `time` put in, where a call during a step failed.
     #[cold]
     pub(crate) fn during(mut self: Box<Self>, now: f64) -> Box<Self> {
-        if let Self::Call { time: time @ None, .. } | Self::Died { time: time @ None, .. } = &mut *self {
+        if let Self::Call { time: time @ None, .. }
+        | Self::Access { time: time @ None, .. }
+        | Self::Died { time: time @ None, .. } = &mut *self
+        {
             *time = Some(now);
         }
         self
@@ -327,14 +348,6 @@ impl Error {
 /// That a file can't be unpacked where temporary folders are made.
 pub(crate) fn unpack(path: &std::path::Path, error: &std::io::Error) -> Error {
     Error::Unpack { path: path.into(), folder: std::env::temp_dir(), reason: error.to_string() }
-}
-
-fn at(time: Option<f64>) -> String {
-    time.map_or_else(String::new, |time| format!(" at t = {time} s"))
-}
-
-fn reached(last: Option<f64>) -> String {
-    last.map_or_else(String::new, |last| format!(" by the unit, which reached t = {last} s"))
 }
 
 /// How the process of a unit ended, and what it was at.
@@ -355,25 +368,4 @@ impl fmt::Display for PostMortem {
         let Self { how, inputs, calls, log } = self;
         write!(f, "{how}{}{}{}", listed("last inputs", inputs), listed("last calls", calls), tail(log))
     }
-}
-
-fn listed(what: &str, items: &[String]) -> String {
-    if items.is_empty() { String::new() } else { format!("\n  {what}: {}", items.join(", ")) }
-}
-
-/// Lines of a log that are told with an error.
-const SHOWN: usize = 5;
-
-/// The last lines of a log, each on its own line.
-/// What a unit said that gave no instance, or what most often is the reason if it said nothing.
-fn reasons(log: &[LogLine]) -> String {
-    match log {
-        [] => ", and no reason: most often the guid in its description is not that of its library, or it doesn't find its resources".into(),
-        log => tail(log),
-    }
-}
-
-fn tail(log: &[LogLine]) -> String {
-    let newest = &log[log.len().saturating_sub(SHOWN)..];
-    newest.iter().map(|line| format!("\n  {line}")).collect()
 }

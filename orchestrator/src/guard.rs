@@ -7,9 +7,12 @@
 
 #[cfg(unix)]
 mod ending;
+mod file_mask;
 mod lookout;
 #[cfg(unix)]
 mod prints;
+#[cfg(target_os = "linux")]
+mod requests;
 #[cfg(unix)]
 mod signals;
 #[cfg(test)]
@@ -22,9 +25,11 @@ use std::collections::BTreeMap;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::thread::ThreadId;
 
 #[cfg(unix)]
 pub(crate) use ending::{end_copy_of, unpacked_in};
+pub use file_mask::FileMask;
 pub use lookout::{beat, beats, look_out};
 #[cfg(unix)]
 pub use prints::own_output;
@@ -257,6 +262,7 @@ struct Running {
     unit: *const AtomicPtr<Label>,
     function: *const AtomicU8,
     rescue: Rescue,
+    thread: ThreadId,
 }
 
 // SAFETY: what it points to belongs to a run that takes it off the list, under the lock, before it ends.
@@ -265,8 +271,19 @@ unsafe impl Send for Running {}
 impl Running {
     /// This thread is on the list from now on.
     fn enter(rescue: Rescue) {
-        let running = UNIT.with(|unit| FUNCTION.with(|function| Running { unit, function, rescue }));
+        let thread = std::thread::current().id();
+        let running = UNIT.with(|unit| FUNCTION.with(|function| Running { unit, function, rescue, thread }));
         RUNNING.lock().unwrap_or_else(PoisonError::into_inner).push(running);
+    }
+
+    /// The unit that is being called and does not come back, if any is.
+    fn word(&self) -> Option<String> {
+        // SAFETY: a run on the list has not ended, so that its thread is there; while a unit is called its time stays as it is.
+        unsafe {
+            let (unit, function) = called(&*self.unit, &*self.function)?;
+            let time = ptr::read_volatile(self.rescue.time);
+            Some(format!("unit {unit}: it does not come back from {function} after t = {time} s"))
+        }
     }
 
     /// It is no longer.
@@ -283,22 +300,22 @@ static RUNNING: Mutex<Vec<Running>> = Mutex::new(Vec::new());
 pub fn give_up() -> Vec<String> {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     let word = |run: &Running| {
-        // SAFETY: a run on the list has not ended, so that its thread is there. While its unit is called nobody uses its
-        // recorder, and its time stays as it is.
-        unsafe {
-            let (unit, function) = called(&*run.unit, &*run.function)?;
-            let time = ptr::read_volatile(run.rescue.time);
-            let kept = match run.rescue.rows {
-                Some(rows) => {
-                    (rows.write)(rows.recorder);
-                    "; the rows up to there are kept"
-                }
-                None => "",
-            };
-            Some(format!("unit {unit}: it does not come back from {function} after t = {time} s{kept}"))
-        }
+        let word = run.word()?;
+        let Some(rows) = run.rescue.rows else { return Some(word) };
+        // SAFETY: a run on the list has not ended. While its unit is called nobody uses its recorder.
+        unsafe { (rows.write)(rows.recorder) };
+        Some(format!("{word}; the rows up to there are kept"))
     };
     running.iter().filter_map(word).collect()
+}
+
+/// For a program that goes on while a thread of its is left behind in a unit: which unit of that thread's run does not come back, in words.
+/// Nothing is done to the run, which may go on after all.
+pub fn not_back(thread: ThreadId) -> Option<String> {
+    let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    let own = running.iter().find(|run| run.thread == thread)?;
+    // Its other threads are those with the same clock.
+    running.iter().filter(|run| ptr::eq(run.rescue.time, own.rescue.time)).find_map(Running::word)
 }
 
 /// In the `main.rs` of a program: functions `_exit` and `_Exit` of its own, which units that call those of the C library find first, so that

@@ -88,6 +88,7 @@ mod link;
 pub mod machine;
 mod newton;
 mod noise;
+mod notices;
 mod pacing;
 pub mod package;
 pub mod plain;
@@ -108,6 +109,7 @@ mod unit_path;
 mod unread;
 mod value;
 mod wiring;
+mod words;
 pub mod xml;
 
 pub use algorithm::{Needs, Sees, along, names as algorithms, needs, sees};
@@ -115,10 +117,10 @@ pub use bundle::Bundle;
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use error::{Error, Place, PostMortem};
 pub use fmu::Fmu;
-pub use guard::{Guard, all_done, beat, beats, give_up, look_out};
+pub use guard::{FileMask, Guard, all_done, beat, beats, give_up, look_out, not_back};
 #[cfg(unix)]
 pub use guard::{exit_at_once, own_output};
-pub use isolation::{Host, Isolation, host_units, host_units_by, limit_of, serve_units};
+pub use isolation::{Host, Isolation, end_units_when, host_units, host_units_by, limit_of, serve_units};
 pub use pacing::Lateness;
 pub use progress::{Progress, Quiet};
 #[doc(hidden)]

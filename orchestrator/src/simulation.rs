@@ -40,7 +40,7 @@ pub struct Simulation {
     /// Simulated seconds a second, if runs keep to the real clock.
     pub(crate) pace: Option<f64>,
     pub(crate) lateness: Option<Lateness>,
-    notices: Vec<String>,
+    pub(crate) notices: Vec<String>,
     replaced_starts: Vec<String>,
     pub(crate) from_unit_path: Vec<bool>,
     /// What tells the units' files apart, once that was asked.
@@ -324,45 +324,6 @@ impl Simulation {
     /// value)`: ordinary, but worth a look when a start value was meant to count.
     pub fn replaced_starts(&self) -> &[String] {
         &self.replaced_starts
-    }
-
-    /// What a person should know but what stops nothing: loops, conversions that could not be made, warnings of
-    /// units.
-    pub fn notices(&self) -> Vec<String> {
-        let warnings =
-            self.wiring.system.units.iter().filter(|unit| unit.instance.warnings() > 0).map(|unit| {
-                let last = unit
-                    .instance
-                    .log()
-                    .last()
-                    .map_or_else(String::new, |line| format!("; last log line: {line}"));
-                format!("unit {} answered {} calls with a warning{last}", unit.name, unit.instance.warnings())
-            });
-        let retried = self.wiring.system.units.iter().filter(|unit| unit.rollback.retried > 0).map(|unit| {
-            let (count, first) = (unit.rollback.retried, unit.rollback.first);
-            format!(
-                "unit {} discarded {count} steps, the first at t = {first} s; shorter ones were made instead",
-                unit.name
-            )
-        });
-        let rounding = self.wiring.system.units.iter().filter(|unit| unit.instance.label().rounds()).map(|unit| {
-            format!(
-                "unit {} changes how the processor rounds reals, or flushes small ones to zero: put back after its calls",
-                unit.name
-            )
-        });
-        let strange = self.wiring.system.units.iter().flat_map(|unit| &unit.not_finite).map(|(_, told)| told);
-        self.wiring
-            .notices
-            .iter()
-            .chain(&self.wiring.last_points)
-            .chain(&self.notices)
-            .chain(strange)
-            .cloned()
-            .chain(warnings)
-            .chain(retried)
-            .chain(rounding)
-            .collect()
     }
 
     /// The names of the units with their descriptions, in the order of the scenario.

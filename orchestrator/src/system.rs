@@ -326,5 +326,14 @@ fn not_ok(unit: &mut Unit, status: Status, values: &mut Values) -> Result<(), Er
             log,
         });
     }
-    Err(unit.instance.failure("fmi2DoStep", status, Some(unit.begin)))
+    let error = unit.instance.failure("fmi2DoStep", status, Some(unit.begin));
+    // Inputs of a unit in another process are sent with the step.
+    let (kind, block) = match &error {
+        Error::Call { function: "fmi2SetReal", .. } => (Kind::Real, &unit.inputs.reals),
+        Error::Call { function: "fmi2SetInteger", .. } => (Kind::Integer, &unit.inputs.integers),
+        Error::Call { function: "fmi2SetBoolean", .. } => (Kind::Boolean, &unit.inputs.booleans),
+        Error::Call { function: "fmi2SetString", .. } => (Kind::String, &unit.inputs.strings),
+        _ => return Err(error),
+    };
+    Err(unit.instance.about(error, kind, &block.references))
 }

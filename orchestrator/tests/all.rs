@@ -25,4 +25,5 @@ mod readme;
 mod scaled;
 mod start;
 mod tables;
+mod told;
 mod types;

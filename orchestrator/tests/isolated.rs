@@ -142,7 +142,7 @@ fn every_refused_value_of_one_exchange_is_named_elsewhere() {
             (error.to_string(), results.times().len())
         };
         let here = told(&scenario);
-        assert!(here.0.starts_with("unit a: fmi2SetReal at t = "), "{}", here.0);
+        assert!(here.0.starts_with("unit a: fmi2SetReal of u1, u2 at t = "), "{}", here.0);
         isolate(&mut scenario, Isolation::default());
         assert_eq!(told(&scenario), here);
     }

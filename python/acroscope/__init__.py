@@ -13,19 +13,20 @@
     ac.reproduce("table-3").claims
     ac.sweep("delay-and-rate", out="map").table()
 
-Runs and simulations happen in this process, without its lock; commands of minutes in one of their own. Ctrl-C ends both.
+Runs and simulations happen in this process, without its lock; commands of minutes in one of their own. Ctrl-C ends both; of a simulation step
+by step not while a unit that is not isolated hangs.
 What is wrong with the input raises `InputError`, in the words of the command line, with its options as the arguments that they are here.
 """
 
 import sys
 from pathlib import Path
 
-from . import _acroscope
+from . import _acroscope, _child
 from ._acroscope import Error, InputError, __version__
 
 if sys.executable:
     # The process of an isolated unit is Python with this package, and ends in this call.
-    _acroscope.host_units(sys.executable, ["-P", "-m", "acroscope"])
+    _acroscope.host_units(sys.executable, _child.ARGUMENTS)
 
 _DATA = Path(__file__).resolve().parent / "data"
 _acroscope.add_units(_DATA / "fmus")

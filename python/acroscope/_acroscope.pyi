@@ -51,6 +51,7 @@ class Simulation:
         stop: str | None = None,
         inputs: list[str] = ...,
         isolate: bool = False,
+        step_limit: float | None = None,
     ) -> Self: ...
     @property
     def time(self) -> float: ...

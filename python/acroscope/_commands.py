@@ -7,14 +7,13 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tomllib
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from . import _acroscope
+from . import _acroscope, _child
 from ._folder import OutFolder, names, page
 
 Place = str | PathLike[str]
@@ -46,17 +45,19 @@ def _in_python(said: str) -> str:
     return _OPTION.sub(argument, said)
 
 
+def _words(said: str) -> str:
+    """An error of the command line in the words of Python, where a value was given by an argument and not by an option."""
+    return _in_python(_HELP.split(said.strip().removeprefix("error: ").removeprefix("--set "))[0])
+
+
 def _said(*arguments: object, answers: Sequence[int] = (0,)) -> tuple[str, str]:
     """What a command prints, and its notes. An exit status other than those raises, with the command's own words; so does one of those,
     other than 0, that comes without an answer."""
     typed = (os.fspath(word) if isinstance(word, PathLike) else str(word) for word in arguments)
-    words = [sys.executable, "-P", "-m", "acroscope", *typed]
-    done = subprocess.run(words, capture_output=True, text=True, encoding="utf-8")
+    done = subprocess.run(_child.command(*typed), capture_output=True, text=True, encoding="utf-8")
     if done.returncode in answers and (done.returncode == 0 or done.stdout.strip()):
         return done.stdout, done.stderr
-    # A value was given in Python, and not by an option.
-    said = _HELP.split(done.stderr.strip().removeprefix("error: ").removeprefix("--set "))[0]
-    said = _in_python(said) or f"exit status {done.returncode}"
+    said = _words(done.stderr) or f"exit status {done.returncode}"
     raise (_acroscope.InputError if done.returncode == 2 else _acroscope.Error)(said)
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from . import _acroscope
+from ._commands import _options, _words
 from ._folder import OutFolder, page
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def run(
     *,
     stop: float | str | Fraction | None = None,
     isolate: bool = False,
+    step_limit: float | None = None,
     out: str | PathLike[str] | None = None,
 ) -> Results:
     """Runs a scenario, a shipped one by its name or a file by its path.
@@ -66,7 +68,7 @@ def run(
     `values` are parameters and start values by `instance.variable`; an input that a connection or source drives is none, and refused.
     `stop` is a time in s, exact as text or Fraction
     ("1/3"). With `isolate` each unit runs in a process of its own (on Linux), so that whatever it does ends the run and not
-    Python. `out` is a folder that keeps results.csv, resolved.toml, report.html, summary.json and the frames; a temporary
+    Python; `step_limit`: seconds that a call into an isolated unit may take, 30 if neither this nor the scenario says. `out` is a folder that keeps results.csv, resolved.toml, report.html, summary.json and the frames; a temporary
     one, which vanishes with the results, if none is given.
     """
     folder = OutFolder(out)
@@ -74,10 +76,12 @@ def run(
     words += _settings(values)
     if stop is not None:
         words.append(f"--stop={stop}")
-    if isolate:
-        words.append("--isolate")
+    words += _options(isolate=bool(isolate), step_limit=step_limit)
     # What comes after `--` is no option, whatever it begins with.
-    table, graphs = _acroscope.run([*words, "--", os.fspath(scenario)])
+    try:
+        table, graphs = _acroscope.run([*words, "--", os.fspath(scenario)])
+    except _acroscope.Error as error:
+        raise type(error)(_words(str(error))) from None
     return Results(table, folder, json.loads(graphs))
 
 

@@ -23,7 +23,7 @@ class Simulation:
 
     `inputs` are taken from whatever drives them in the scenario, and yours to set; a single name will do, too. `values` are start
     values and parameters; what drives an input that is not among `inputs` would overwrite it, so that it is refused. With `isolate`
-    each unit runs in a process of its own (on Linux). `close`, or the end of a `with`, frees the units and ends these processes.
+    each unit runs in a process of its own (on Linux), and `step_limit` is how many seconds a call into an isolated unit may take. `close`, or the end of a `with`, frees the units and ends these processes.
     """
 
     def __init__(
@@ -34,10 +34,11 @@ class Simulation:
         stop: float | str | Fraction | None = None,
         inputs: str | Sequence[str] = (),
         isolate: bool = False,
+        step_limit: float | None = None,
     ) -> None:
         end = None if stop is None else str(stop)
         self._open: _acroscope.Simulation | None = None
-        self._open = _acroscope.Simulation(os.fspath(scenario), dict(values or {}), end, names(inputs), isolate)
+        self._open = _acroscope.Simulation(os.fspath(scenario), dict(values or {}), end, names(inputs), isolate, step_limit)
 
     @property
     def _inner(self) -> _acroscope.Simulation:

@@ -1,9 +1,10 @@
 //! Python's module `acroscope._acroscope`: a thin face, no physics and no algorithm. The package in `python/acroscope`
 //! puts words, pictures and NumPy around it.
 //!
-//! Long work lets other threads of Python run, and looks for Ctrl-C some ten times a second.
+//! Long work lets other threads of Python run, and looks for Ctrl-C (`interrupt.rs`).
 
 mod errors;
+mod interrupt;
 mod recorder;
 mod simulation;
 mod table;
@@ -17,7 +18,6 @@ use recorder::Columns;
 use simulation::{Simulation, State};
 use std::path::PathBuf;
 use table::Table;
-use values::Watch;
 
 /// The command line: arguments without the program's name; answers the exit status.
 #[pyfunction]
@@ -31,6 +31,7 @@ fn main(py: Python<'_>, arguments: Vec<String>) -> u8 {
 #[pyfunction]
 fn host_units(py: Python<'_>, program: PathBuf, arguments: Vec<String>) {
     py.detach(|| {
+        orchestrator::end_units_when(interrupt::came);
         acroscope::host_rules_by(program.clone(), arguments.clone());
         orchestrator::host_units_by(program, arguments);
     });
@@ -48,12 +49,13 @@ fn shipped() -> Vec<&'static str> {
     scenarios::SHIPPED.iter().map(|(name, _)| *name).collect()
 }
 
-/// A scenario with values and a stop time, where given, and its units in processes of their own, if wanted.
+/// A scenario with values and a stop time, where given, and its units in processes of their own, if wanted, with a limit for each call.
 fn load(
     name: &str,
     values: Option<&Bound<'_, PyDict>>,
     stop: Option<&str>,
     isolate: bool,
+    step_limit: Option<f64>,
 ) -> PyResult<Scenario> {
     let mut scenario = scenarios::load(name).map_err(errors::input)?;
     for (variable, value) in values.into_iter().flatten() {
@@ -62,9 +64,17 @@ fn load(
     if let Some(stop) = stop {
         scenario.set_stop(stop).map_err(told)?;
     }
-    if isolate {
-        for unit in &mut scenario.units {
+    let limit = step_limit.map(|seconds| {
+        let wrong = || format!("step_limit = {seconds}: wanted is a number of seconds above 0 and below 1e9");
+        orchestrator::limit_of(seconds).ok_or_else(|| errors::input(wrong()))
+    });
+    let limit = limit.transpose()?;
+    for unit in &mut scenario.units {
+        if isolate {
             unit.isolation.get_or_insert_default();
+        }
+        if let (Some(isolation), Some(limit)) = (&mut unit.isolation, limit) {
+            isolation.step_limit = limit;
         }
     }
     Ok(scenario)
@@ -73,11 +83,11 @@ fn load(
 /// Does `acroscope run` with these words, until Ctrl-C, and answers what it recorded and the graphs of its page as JSON.
 #[pyfunction]
 fn run(py: Python<'_>, words: Vec<String>) -> PyResult<(Table, String)> {
-    let mut columns = Columns::default();
-    let mut watch = Watch::default();
-    let words = words.into_iter().map(Into::into);
-    let ran = py.detach(|| acroscope::run(words, &mut columns, &mut watch));
-    watch.interrupted()?;
+    let (ran, columns) = interrupt::apart(py, |watch| {
+        let mut columns = Columns::default();
+        let ran = acroscope::run(words.into_iter().map(Into::into), &mut columns, watch);
+        (ran, columns)
+    })?;
     let graphs = ran.map_err(|error| match error.exit_status() {
         2 => errors::input(error),
         _ => errors::other(error),

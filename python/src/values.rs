@@ -1,9 +1,8 @@
-//! Values between Python and the master, and Ctrl-C.
+//! Values between Python and the master.
 
-use orchestrator::{Progress, Value};
+use orchestrator::Value;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyString};
-use std::ops::ControlFlow;
 
 /// A value as a person would type it after `--set NAME=`: the scenario knows the variable's type.
 pub fn text(value: &Bound<'_, PyAny>) -> PyResult<String> {
@@ -35,29 +34,4 @@ pub fn to_python<'py>(py: Python<'py>, value: Value) -> PyResult<Bound<'py, PyAn
         Value::Boolean(truth) => PyBool::new(py, truth).to_owned().into_any(),
         Value::String(text) => PyString::new(py, &text).into_any(),
     })
-}
-
-/// Looks for Ctrl-C while a run goes on.
-#[derive(Default)]
-pub struct Watch {
-    raised: Option<PyErr>,
-}
-
-impl Watch {
-    /// The exception that ended the run, if one did.
-    pub fn interrupted(&mut self) -> PyResult<()> {
-        self.raised.take().map_or(Ok(()), Err)
-    }
-}
-
-impl Progress for Watch {
-    fn at(&mut self, _: f64, _: f64) -> ControlFlow<()> {
-        match Python::attach(|py| py.check_signals()) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(raised) => {
-                self.raised = Some(raised);
-                ControlFlow::Break(())
-            }
-        }
-    }
 }

@@ -158,10 +158,10 @@ def test_isolated_units_give_the_same_bits():
     simulation = ac.Simulation("full-state", stop=0.1, isolate=True)
     pid = os.getpid()
     children = Path(f"/proc/{pid}/task/{threading.get_native_id()}/children").read_text().split()
-    names = [Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")[1:4] for child in children]
+    names = [Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")[1:5] for child in children]
     # Python's multiprocessing may have a process of its own there.
-    names = [name for name in names if name[-1:] == [b"acroscope"]]
-    assert names == [[b"-P", b"-m", b"acroscope"]] * 2, "one process for the plant, one for the controller"
+    names = [name for name in names if name[-1:] == [str(Path(ac.__file__).resolve()).encode()]]
+    assert len(names) == 2, "one process for the plant, one for the controller"
     simulation.step(until=0.1)
     assert simulation.get("plant.q1") == ac.run("full-state", stop=0.1).last("plant.q1")
     # A unit whose process is gone ends the simulation with its name, and not Python.
@@ -243,6 +243,69 @@ def test_ctrl_c_ends_a_run():
         process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=60)
     assert said == "interrupted\n"
+
+
+def interrupted(what):
+    """What comes of Ctrl-C while an isolated unit hangs: the exception, what it came with, and how long it took."""
+    code = (
+        "import acroscope as ac\n"
+        "print('begun', flush=True)\n"
+        f"try:\n    {what}\n"
+        "except BaseException as error:\n    print(type(error).__name__, repr(error.__context__))\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "begun\n"
+        time.sleep(2.0)  # into the run
+        # A process that is stopped answers as one that hangs does: not at all.
+        threads = Path(f"/proc/{process.pid}/task").iterdir()
+        children = {child for thread in threads for child in (thread / "children").read_text().split()}
+        assert len(children) == 2, "the plant's and the controller's"
+        os.kill(int(min(children)), signal.SIGSTOP)
+        time.sleep(0.5)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+    return said, time.monotonic() - began
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="units in processes of their own: Linux")
+@pytest.mark.parametrize(
+    "what",
+    [
+        "ac.run('full-state', stop=1000000, isolate=True)",
+        "ac.Simulation('full-state', stop=1000000, isolate=True).step(until=1000000)",
+    ],
+)
+def test_ctrl_c_ends_an_isolated_unit_that_hangs(what):
+    said, seconds = interrupted(what)
+    assert said == "KeyboardInterrupt None\n"
+    # Looked for some fifty times a second; a step limit would take 30 s, and Python's own end takes some.
+    assert seconds < 10
+
+
+def test_limits_of_a_call_are_arguments():
+    for call in (ac.run, ac.Simulation):
+        with pytest.raises(ac.InputError, match="above 0 and below 1e9") as refused:
+            call("full-state", isolate=True, step_limit=-1.0)
+        assert "--" not in str(refused.value)
+    with pytest.raises(ac.InputError, match="add isolate=True$"):
+        ac.run("full-state", step_limit=3)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="units in processes of their own: Linux")
+def test_processes_find_a_package_that_only_sys_path_knows():
+    other = getattr(sys, "_base_executable", sys.executable)
+    bare = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    known = subprocess.run([other, "-P", "-c", "import acroscope"], env=bare, capture_output=True)
+    assert known.returncode != 0, "it is found by name: nothing is tested"
+    code = (
+        f"import sys; sys.path.insert(0, {str(Path(ac.__file__).parents[1])!r})\n"
+        "import acroscope as ac\n"
+        "print(ac.check(ac.units()['acrobot_plant']))\n"
+        "print(len(ac.run('full-state', stop=0.1, isolate=True)))\n"
+    )
+    done = subprocess.run([other, "-P", "-c", code], env=bare, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("[]\n61\n", "")
 
 
 def test_the_command_is_installed(tmp_path):

@@ -10,7 +10,7 @@ use crate::run_report::{Finished, How, Layout, Summary};
 use crate::signals::{self, Looking};
 use crate::{complain, provenance, run_report, tell};
 use orchestrator::{
-    Checkpoint, Checkpoints, Ended, Isolation, Lateness, NoRecorder, Progress, Recorder, Scenario,
+    Checkpoint, Checkpoints, Ended, FileMask, Isolation, Lateness, NoRecorder, Progress, Recorder, Scenario,
     Simulation, Twice,
 };
 use report::{Figure, Provenance};
@@ -121,6 +121,7 @@ pub fn carry_out(
     also: &mut dyn Recorder,
     progress: &mut dyn Progress,
 ) -> Result<CarriedOut, Error> {
+    let mask = FileMask::now();
     let mut prepared = Prepared::new(arguments)?;
     let folder = Folder::make(&prepared.out)?;
     let from = checkpoint(arguments, &folder, quiet)?;
@@ -137,6 +138,10 @@ pub fn carry_out(
     let mut recorder = Twice(&mut results, also);
     let simulation = &mut prepared.simulation;
     let ended = go(simulation, from.as_ref(), checkpoints.as_ref(), &mut recorder, progress);
+    if mask.put_back() {
+        simulation
+            .notice("a unit changes which permissions new files have (umask): put back after the run".into());
+    }
     if !results.begun() {
         // A unit refused to begin, or the checkpoint is another run's: what lies in the folder is of an earlier run, and stays.
         let ended = ended.map_err(|error| results.failed().unwrap_or(error));

@@ -5,6 +5,11 @@
 //! the begin of its step and the slope (`fmi2SetRealInputDerivatives`), where it says `canInterpolateInputs`, else the
 //! value in the middle of its step. Where the sender has stepped already, the line lies between two known values.
 //! Booleans, Integers, texts, discrete outputs and what comes through a channel are handed on as they are.
+//!
+//! A unit without `canInterpolateInputs` gets the value at the *end* of its step for an input from which an output that goes to
+//! another unit follows at once, by its description: in the middle the output would be half a step late, and the coupling of first
+//! order. The middle for the step and then the end for the outputs is not to be had: FMI 2.0 section 4.2.4 forbids
+//! `fmi2GetXXX` after `fmi2SetXXX` without a step in between, and a unit may answer it with an error or with what it had before.
 
 use super::{Algorithm, Sees};
 use crate::error::Error;
@@ -45,11 +50,15 @@ struct Receiver {
     /// For a unit that interpolates: references of these, and the slopes of the step under way.
     references: Vec<u32>,
     slopes: Vec<f64>,
+    /// Inputs, by their places among all Reals, of which the value at the end of the step is given.
+    through: HashSet<usize>,
 }
 
 struct Input {
     /// Among all Reals.
     place: usize,
+    /// Where in the step its value is taken: 0 at the begin, 2 at the end.
+    halves: f64,
     /// The sending unit and the number of its line.
     from: (usize, usize),
     gain: f64,
@@ -67,20 +76,20 @@ impl Extrapolated {
         let unit = &mut system.units[number];
         let (begin, half) = (unit.begin, unit.size / 2.0);
         let receiver = &mut self.receivers[number];
-        let interpolates = !receiver.references.is_empty();
         receiver.slopes.clear();
         for input in &receiver.inputs {
             let line = &self.senders[input.from.0][input.from.1];
             let slope = input.gain * line.slope;
-            let at = if interpolates { begin } else { begin + half };
+            let at = begin + input.halves * half;
             let newest = input.gain * system.values.reals[line.place] + input.bias;
             system.values.reals[input.place] = newest + slope * (at - line.time);
             receiver.slopes.push(slope);
         }
         for feed in unit.feeds.iter_mut().filter(|feed| !feed.signal.holds()) {
             if let Slot::Real(place) = feed.to {
-                let ends = [feed.signal.at(begin), feed.signal.at(begin + 2.0 * half)];
-                system.values.reals[place as usize] = 0.5 * (ends[0] + ends[1]);
+                let [from, to] = [feed.signal.at(begin), feed.signal.at(begin + 2.0 * half)];
+                let through = receiver.through.contains(&(place as usize));
+                system.values.reals[place as usize] = if through { to } else { 0.5 * (from + to) };
             }
         }
     }
@@ -210,10 +219,17 @@ fn outputs(unit: &Unit, reals: &[f64], in_order: bool) -> Vec<Output> {
 
 /// The inputs of a unit that one of the lines leads to.
 fn receiver(unit: &Unit, channels: &[Line], lines: &HashMap<usize, (usize, usize)>) -> Receiver {
+    let interpolates = unit.instance.fmu().description().co_simulation.can_interpolate_inputs;
+    let through = through(unit);
     let mut inputs = Vec::new();
     let mut add = |from: usize, place: usize, (gain, bias): (f64, f64)| {
         if let Some(&from) = lines.get(&from) {
-            inputs.push(Input { place, from, gain, bias });
+            let halves = match (interpolates, through.contains(&place)) {
+                (true, _) => 0.0,
+                (false, true) => 2.0,
+                (false, false) => 1.0,
+            };
+            inputs.push(Input { place, halves, from, gain, bias });
         }
     };
     unit.inputs.reals.copies().for_each(|(from, to)| add(from, to, (1.0, 0.0)));
@@ -230,8 +246,28 @@ fn receiver(unit: &Unit, channels: &[Line], lines: &HashMap<usize, (usize, usize
         }
     }
     let block = &unit.inputs.reals;
-    let interpolates = unit.instance.fmu().description().co_simulation.can_interpolate_inputs;
     let references =
         inputs.iter().filter(|_| interpolates).map(|input| block.references[input.place - block.at]);
-    Receiver { references: references.collect(), slopes: Vec::new(), inputs }
+    Receiver { references: references.collect(), slopes: Vec::new(), through, inputs }
+}
+
+/// The inputs, by their places among all Reals, from which a Real output that goes to another unit follows at once, as far as the
+/// description says so. Of an output that it says nothing of (in the standard's words: it depends on all inputs) most come from states.
+fn through(unit: &Unit) -> HashSet<usize> {
+    let description = unit.instance.fmu().description();
+    let connected = &unit.outputs.reals.references[..unit.outputs.connected];
+    let is = |place: usize, causality| {
+        let variable = &description.variables[place];
+        variable.kind == Kind::Real && variable.causality == causality
+    };
+    let outputs = (0..description.variables.len())
+        .filter(|place| is(*place, Causality::Output))
+        .filter(|place| connected.contains(&description.variables[*place].reference));
+    let on = outputs.filter_map(|output| description.step_dependencies(output)).flatten();
+    let references: HashSet<u32> = (on.filter(|place| is(**place, Causality::Input)))
+        .map(|place| description.variables[*place].reference)
+        .collect();
+    let block = &unit.inputs.reals;
+    let places = (block.at..).zip(&block.references);
+    places.filter(|(_, reference)| references.contains(reference)).map(|(place, _)| place).collect()
 }

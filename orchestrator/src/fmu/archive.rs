@@ -58,6 +58,7 @@ impl Archive {
             let what = format!("the number of its entries, {},", zip.len());
             return Err(broken(limits::exceeded(&what, limits.entries, limits::ENTRIES)));
         }
+        not_too_much(&mut zip, limits).map_err(broken)?;
         let _unpacking = workshop::unpacking();
         let folder = Bench::new().map_err(|error| error::unpack(path, &error))?;
         let mut left = limits.unpacked;
@@ -88,10 +89,7 @@ impl Archive {
                             false => broken(format!("{}: {error}", name.display())),
                         },
                     )?;
-                left = left.checked_sub(written).ok_or_else(|| {
-                    let what = format!("what it unpacks to, as far as {},", name.display());
-                    broken(limits::exceeded(&what, limits.unpacked, limits::UNPACKED))
-                })?;
+                left = left.checked_sub(written).ok_or_else(|| broken(too_much(&name, limits)))?;
             }
         }
         // The standard hands out the folder whether the unit has resources or not.
@@ -152,6 +150,28 @@ type Zip = zip::ZipArchive<io::BufReader<File>>;
 fn entry(zip: &mut Zip, index: usize) -> Result<zip::read::ZipFile<'_, io::BufReader<File>>, String> {
     let name = zip.name_for_index(index).and_then(Result::ok).map(|name| name.into_owned());
     zip.by_index(index).map_err(|error| format!("{}: {error}", name.unwrap_or_default()))
+}
+
+/// Whether what a run needs of an archive is more than is taken, by its own directory: then nothing is unpacked. One that says less than
+/// there is meets the limit later.
+fn not_too_much(zip: &mut Zip, limits: Limits) -> Result<(), String> {
+    if zip.decompressed_size().is_some_and(|all| all <= u128::from(limits.unpacked)) {
+        return Ok(());
+    }
+    let mut left = limits.unpacked;
+    for index in 0..zip.len() {
+        let entry = zip.by_index_raw(index).map_err(|error| error.to_string())?;
+        let Some(name) = entry.enclosed_name().filter(|name| is_wanted(name, &mut Vec::new())) else {
+            continue;
+        };
+        left = left.checked_sub(entry.size()).ok_or_else(|| too_much(&name, limits))?;
+    }
+    Ok(())
+}
+
+fn too_much(name: &Path, limits: Limits) -> String {
+    let what = format!("what it unpacks to, as far as {},", name.display());
+    limits::exceeded(&what, limits.unpacked, limits::UNPACKED)
 }
 
 /// Whether the very library that is loaded is a link. Links beside it, as from one version's name to another's, may be nobody's.
@@ -262,6 +282,14 @@ mod tests {
         assert_eq!(description.guid, "g");
         assert_eq!(std::fs::read(archive.folder.path().join("resources/b.txt")).expect("there"), b"678");
         assert!(!archive.folder.path().join("documentation").exists());
+        // Refused by its directory, before anything is unpacked; what is not unpacked doesn't count.
+        let not_too_much = |unpacked: u64| {
+            let file = std::io::BufReader::new(std::fs::File::open(&path).expect("there"));
+            let mut zip = zip::ZipArchive::new(file).expect("a zip");
+            super::not_too_much(&mut zip, Limits { unpacked, ..just })
+        };
+        assert_eq!(not_too_much(8), Ok(()));
+        assert!(not_too_much(7).is_err_and(|told| told.contains("as far as resources/b.txt, exceeds")));
         for (less, told) in [
             (Limits { unpacked: 7, ..just }, "as far as resources/b.txt, exceeds the limit of 7;"),
             (Limits { entries: 3, ..just }, "the number of its entries, 4, exceeds the limit of 3;"),

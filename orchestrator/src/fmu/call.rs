@@ -24,7 +24,7 @@ macro_rules! function {
 
 macro_rules! access {
     ($get:ident, $set:ident, $type:ty, $need:ident, $get_name:literal, $set_name:literal, $get_function:ident,
-     $set_function:ident, $read:ident, $write:ident) => {
+     $set_function:ident, $read:ident, $write:ident, $kind:ident) => {
         #[doc = concat!("`", $get_name, "`; as many values as references.")]
         ///
         /// # Errors
@@ -54,7 +54,7 @@ macro_rules! access {
             let status = unsafe {
                 function(self.component(), references.as_ptr(), references.len(), values.as_mut_ptr())
             };
-            self.checked($get_name, status)
+            self.checked_of($get_name, status, Kind::$kind, references)
         }
 
         #[doc = concat!("As [`Instance::", stringify!($set), "`] of a unit that was entered.")]
@@ -69,7 +69,7 @@ macro_rules! access {
             // SAFETY: both slices have the length that is given.
             let status =
                 unsafe { function(self.component(), references.as_ptr(), references.len(), values.as_ptr()) };
-            self.checked($set_name, status)
+            self.checked_of($set_name, status, Kind::$kind, references)
         }
     };
 }
@@ -88,7 +88,8 @@ impl Instance {
         GetReal,
         SetReal,
         read_real,
-        write_real
+        write_real,
+        Real
     );
     access!(
         get_integer,
@@ -100,7 +101,8 @@ impl Instance {
         GetInteger,
         SetInteger,
         read_integer,
-        write_integer
+        write_integer,
+        Integer
     );
     access!(
         get_boolean,
@@ -112,7 +114,8 @@ impl Instance {
         GetBoolean,
         SetBoolean,
         read_boolean,
-        write_boolean
+        write_boolean,
+        Boolean
     );
 
     /// `fmi2GetString`; as many values as references. The texts are copied, since the unit owns its own only until
@@ -169,7 +172,7 @@ impl Instance {
         let status = unsafe {
             function(self.component(), references.as_ptr(), references.len(), pointers.as_mut_ptr())
         };
-        self.checked("fmi2GetString", status)?;
+        self.checked_of("fmi2GetString", status, Kind::String, references)?;
         for (value, pointer) in values.iter_mut().zip(pointers) {
             // SAFETY: the unit's texts end in zero and are valid until it is called again.
             unsafe { value.read(*pointer) };
@@ -212,7 +215,7 @@ impl Instance {
         // SAFETY: both slices have the length that is given; the texts end in zero and live over the call.
         let status =
             unsafe { function(self.component(), references.as_ptr(), references.len(), pointers.as_ptr()) };
-        self.checked("fmi2SetString", status)
+        self.checked_of("fmi2SetString", status, Kind::String, references)
     }
 
     /// `fmi2SetRealInputDerivatives`: derivatives of the given orders, for inputs that the unit interpolates.

@@ -38,7 +38,7 @@ pub struct Instance {
     word: u32,
     /// Real variables that were asked for lately, and whether all of them can be set in initialization mode.
     pub(super) late: (Vec<u32>, bool),
-    sink: Arc<Sink>,
+    pub(super) sink: Arc<Sink>,
     // Read by the unit through the pointer it was given; never moved. None for a unit in another process.
     _callbacks: Option<Box<Callbacks>>,
     // Last, so that the library outlives everything above.
@@ -121,7 +121,7 @@ impl Instance {
 
     /// The other process, if there is one.
     #[cfg(isolation)]
-    fn remote(&mut self) -> Option<&mut Remote> {
+    pub(super) fn remote(&mut self) -> Option<&mut Remote> {
         // SAFETY: without callbacks the component is what `Remote::start` made, alive until it is freed.
         self._callbacks.is_none().then(|| unsafe { &mut *self.component.cast::<Remote>() })
     }
@@ -221,25 +221,6 @@ impl Instance {
             Status::Discard => {}
         }
         false
-    }
-
-    /// The error for a call that failed.
-    #[cold]
-    pub(crate) fn failure(&mut self, function: &'static str, status: Status, time: Option<f64>) -> Error {
-        #[cfg(isolation)]
-        let (function, status) = match self.remote() {
-            Some(remote) => {
-                let ahead =
-                    remote.take_failed().map(|(function, status)| (function.name(), Status::from(status)));
-                let (function, status) = ahead.unwrap_or((function, status));
-                if let Some(death) = remote.death().cloned() {
-                    return death.error(&self.name, function, time, self.sink.lines());
-                }
-                (function, status)
-            }
-            None => (function, status),
-        };
-        Error::Call { unit: self.name.clone(), function, status, time, log: self.sink.lines() }
     }
 
     /// `fmi2SetupExperiment`, with the tolerance that the unit's own description proposes, as other masters do: a unit is as

@@ -14,7 +14,8 @@ void orchestrator_logger(void *environment, const char *instance, int status, co
     char text[4096];
     va_list arguments;
     (void)instance;
-    if (!receive || !message) return;
+    if (!receive) return;
+    if (!message) message = "(no text)";
     va_start(arguments, message);
     vsnprintf(text, sizeof text, message, arguments);
     va_end(arguments);

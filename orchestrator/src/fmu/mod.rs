@@ -11,6 +11,7 @@ mod call;
 pub(crate) mod control_word;
 mod description;
 mod doubts;
+mod failure;
 mod function;
 mod instance;
 pub(crate) mod library;

@@ -73,7 +73,7 @@ pub(super) fn crashed(what: &str) {
     ]);
     // The runs whose units are being called are at rest, most likely.
     if let Ok(running) = RUNNING.try_lock() {
-        for Running { unit, function, rescue } in running.iter() {
+        for Running { unit, function, rescue, .. } in running.iter() {
             // SAFETY: a run on the list has not ended.
             unsafe {
                 if let (Some((unit, function)), Some(rows)) = (called(&**unit, &**function), rescue.rows) {
@@ -85,6 +85,15 @@ pub(super) fn crashed(what: &str) {
     }
     say(&["; in a process of its own (isolate = true, --isolate) a unit harms nobody else\n"]);
     remove_unpacked();
+}
+
+/// The process itself has sent a signal that asks it to end. Returns if no unit was being called in this thread.
+#[cfg(target_os = "linux")]
+pub(super) fn asked_by_a_unit(what: &str) {
+    wait_if_another_ends();
+    if is_guarded() && under_way().is_some() {
+        end(what);
+    }
 }
 
 /// Something has called `exit`.

@@ -1,6 +1,8 @@
 //! The signals that end a program and that nobody but a unit brings about, and the functions that end a program.
 
 use super::ending;
+#[cfg(target_os = "linux")]
+use super::requests;
 use std::ffi::{c_int, c_void};
 use std::ptr;
 use std::sync::OnceLock;
@@ -46,6 +48,8 @@ pub(super) fn install() {
         }
         before
     });
+    #[cfg(target_os = "linux")]
+    requests::install();
     for (signal, _) in SIGNALS {
         // SAFETY: as above.
         unsafe {

@@ -81,6 +81,13 @@ fn law_who_does_not_come_back_is_named_and_its_rows_are_written() {
                 "unit sleeper: it does not come back from fmi2DoStep after t = 0.5 s; the rows up to there are kept"
             ]
         );
+        let other = std::thread::spawn(|| ()).thread().id();
+        assert_eq!(not_back(other), None, "no run of its own");
+        assert_eq!(
+            not_back(std::thread::current().id()).as_deref(),
+            Some("unit sleeper: it does not come back from fmi2DoStep after t = 0.5 s")
+        );
+        assert_eq!(counter.get(), 1, "nothing is done to it");
         loading(label("sleeper"), || {
             assert!(mine()[0].contains("what its library does when it is loaded or unloaded"));
         });

@@ -106,8 +106,12 @@ impl Remote {
                 log: remote.sink.lines(),
             }),
             _ => {
-                let why = String::from_utf8_lossy(answer.bytes().ok_or_else(nonsense)?);
-                Err(failed(format!("{why}{}", super::death::want_of_memory(isolation))))
+                let why = String::from_utf8_lossy(answer.bytes().ok_or_else(nonsense)?).into_owned();
+                let limit = match remote.short_of_memory().is_some() || why.contains("memory") {
+                    true => super::death::want_of_memory(isolation),
+                    false => String::new(),
+                };
+                Err(failed(format!("{why}{limit}")))
             }
         }
     }
@@ -187,21 +191,16 @@ impl Remote {
         while !self.shared.wait_for(Side::Client, LOOK) {
             // It has a limit here.
             crate::guard::beat();
-            let ended = match self.child.try_wait() {
-                Ok(None) => None,
-                Ok(Some(status)) => Some(super::death::how(status, &self.isolation)),
-                // Somebody else in this process asked first, or has the system ask nobody.
-                Err(_) => Some(
-                    "ended; how is not known, since another part of this program waits for its children"
-                        .into(),
-                ),
-            };
-            if let Some(how) = ended {
+            if let Some(how) = self.ended() {
                 // It may have answered before it went.
                 if self.shared.wait_for(Side::Client, Duration::ZERO) {
                     break;
                 }
                 self.die(how, false);
+                return false;
+            }
+            if super::is_to_end() {
+                self.die("was ended, since the run was interrupted".into(), true);
                 return false;
             }
             let limit = *limit.get_or_insert_with(|| Instant::now() + self.isolation.step_limit);
@@ -217,6 +216,36 @@ impl Remote {
         self.collect_log();
         (self.at, self.answer_at) = (0, 0);
         true
+    }
+
+    /// That the process, which still lives, has most of the memory that it may have.
+    pub(crate) fn short_of_memory(&self) -> Option<String> {
+        let limit = self.isolation.memory_limit?;
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let data = status.lines().find_map(|line| line.strip_prefix("VmData:"))?;
+        let bytes = data.trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10;
+        let mebibytes = |bytes: u64| (bytes as f64 / f64::from(1 << 20)).round();
+        super::death::is_near(bytes, limit).then(|| {
+            format!(
+                "(of the master) its process has {} of the {} MiB that it may have: perhaps it wants memory",
+                mebibytes(bytes),
+                mebibytes(limit)
+            )
+        })
+    }
+
+    /// How the process ended, if it has.
+    fn ended(&mut self) -> Option<String> {
+        // Asked before it is taken off the system's list.
+        let most = self.isolation.memory_limit.and_then(|_| most_memory(self.child.id().cast_signed()));
+        match self.child.try_wait() {
+            Ok(None) => None,
+            Ok(Some(status)) => Some(super::death::how(status, &self.isolation, most)),
+            // Somebody else in this process asked first, or has the system ask nobody.
+            Err(_) => Some(
+                "ended; how is not known, since another part of this program waits for its children".into(),
+            ),
+        }
     }
 
     /// Has the process run where it is wanted. One whose unit has threads of its own stays free: they would get in each other's way.
@@ -325,6 +354,19 @@ fn process(host: &Host, isolation: &Isolation, descriptor: c_int) -> Result<Chil
         })
     };
     command.spawn().map_err(|error| format!("{} can't be started: {error}", program.display()))
+}
+
+/// The most memory that a process had which has ended and was not asked about yet, in bytes. What it was split from counts, too.
+fn most_memory(process: i32) -> Option<u64> {
+    // SAFETY: plain data, which the system fills; the process stays on its list.
+    unsafe {
+        let mut found: libc::siginfo_t = std::mem::zeroed();
+        let mut usage: libc::rusage = std::mem::zeroed();
+        let how = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
+        let status =
+            libc::syscall(libc::SYS_waitid, libc::P_PID, process, &raw mut found, how, &raw mut usage);
+        (status == 0 && found.si_pid() == process).then(|| usage.ru_maxrss.cast_unsigned() << 10)
+    }
 }
 
 /// Those of a process; none where the system does not say.

@@ -74,9 +74,12 @@ pub(super) fn ending_with(under_way: Option<Function>, mut calls: Vec<Recorded>)
     calls
 }
 
-/// How a process ended, in words that complete "its process".
-pub(super) fn how(status: ExitStatus, isolation: &Isolation) -> String {
-    let limit = want_of_memory(isolation);
+/// How a process ended that had so many bytes at most, in words that complete "its process".
+pub(super) fn how(status: ExitStatus, isolation: &Isolation, most: Option<u64>) -> String {
+    let limit = match (most, isolation.memory_limit) {
+        (Some(most), Some(limit)) if is_near(most, limit) => want_of_memory(isolation),
+        _ => String::new(),
+    };
     match (status.code(), status.signal()) {
         (Some(0), _) => "ended by exit with status 0".into(),
         (Some(code), _) => format!("ended by exit with status {code}{limit}"),
@@ -87,6 +90,11 @@ pub(super) fn how(status: ExitStatus, isolation: &Isolation) -> String {
         (_, Some(signal)) => format!("was ended by signal {signal}{}", name(signal)),
         _ => format!("ended ({status}){limit}"),
     }
+}
+
+/// Whether so many bytes are near a limit. A unit that is refused memory has less than it, by as much as it asked for.
+pub(super) fn is_near(bytes: u64, limit: u64) -> bool {
+    bytes >= limit / 4 * 3
 }
 
 /// That a limit may be the reason, if there is one.

@@ -95,6 +95,21 @@ pub fn serve_units() {
     serve_if_asked();
 }
 
+/// What a thread asks while it waits for a unit in a process of its own.
+static TO_END: OnceLock<fn() -> bool> = OnceLock::new();
+
+/// For a host that learns of Ctrl-C in ways of its own: a thread that waits for a unit in a process of its own asks this some fifty
+/// times a second, and once it answers true the process is ended, and the call with it. The first call counts.
+pub fn end_units_when(asked: fn() -> bool) {
+    TO_END.get_or_init(|| asked);
+}
+
+/// Whether the unit that this thread waits for is to be ended.
+#[cfg(isolation)]
+fn is_to_end() -> bool {
+    TO_END.get().is_some_and(|asked| asked())
+}
+
 fn serve_if_asked() {
     #[cfg(isolation)]
     if let Some(descriptor) = std::env::var(server::MEMORY).ok().and_then(|text| text.parse().ok()) {

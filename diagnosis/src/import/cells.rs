@@ -25,6 +25,24 @@ const MISSING: [&str; 18] = [
     "-infinity",
 ];
 
+/// What is written for no and yes where a cell holds no number, in lower case. What an open valve and an open contact are differs: neither is here.
+const BOOLEAN: [[&str; 2]; 3] = [["off", "on"], ["no", "yes"], ["false", "true"]];
+
+/// The numbers of cells that hold two words of a kind, for no and yes, and words of nothing else; what is missing is `NaN`.
+pub(super) fn booleans<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Option<Vec<f64>> {
+    BOOLEAN.iter().find_map(|[no, yes]| {
+        let read = |cell: &str| match cell {
+            _ if cell.eq_ignore_ascii_case(no) => Some(0.0),
+            _ if cell.eq_ignore_ascii_case(yes) => Some(1.0),
+            _ => is_missing(cell).then_some(f64::NAN),
+        };
+        cells.clone().map(read).collect()
+    })
+}
+
+/// What is read so, in words.
+pub(super) const BOOLEANS_READ: &str = "of words, on and off, yes and no, true and false are read as 1 and 0";
+
 /// What points and commas in the numbers of a log are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Marks {
@@ -139,6 +157,23 @@ mod tests {
             (["0.5", "0,5", "1.2.3"], true, [Some(0.5), None, None]),
         ] {
             assert_eq!(read(&cells, between_commas), numbers, "{cells:?}");
+        }
+    }
+
+    #[test]
+    fn value_words_for_yes_and_no() {
+        let read = |cells: &[&str]| booleans(cells.iter().copied()).map(|all| format!("{all:?}"));
+        for cells in [["on", "off", ""], ["ON", "Off", "N/A"], ["Yes", "no", "-"], ["true", "FALSE", "nan"]] {
+            assert_eq!(read(&cells).as_deref(), Some("[1.0, 0.0, NaN]"), "{cells:?}");
+        }
+        // of two kinds, of another, and what means one thing at a valve and another at a switch
+        for cells in
+            [["on", "no", "off"], ["on", "off", "standby"], ["open", "closed", "open"], ["1", "off", ""]]
+        {
+            assert_eq!(read(&cells), None, "{cells:?}");
+        }
+        for word in BOOLEAN.concat() {
+            assert!(BOOLEANS_READ.contains(word), "{word}");
         }
     }
 

@@ -19,8 +19,10 @@ use std::time::{Duration, Instant};
 /// What was found of parameters, by their places.
 #[derive(Default)]
 pub(super) struct Found {
-    /// They change no measured output.
+    /// They change no measured output, or the unit can't be run with them.
     pub idle: Vec<usize>,
+    /// Those of them with values of which the unit didn't run to the end, and why.
+    pub failing: Vec<(usize, String)>,
     /// These were not tried: there was no time, or the unit can't be run in a process of its own.
     pub untried: usize,
     /// So many of those that change nothing were not tried to the ends of their ranges and beside all that is off, for want of time.
@@ -31,10 +33,14 @@ pub(super) struct Found {
 enum Did {
     /// An output is another with this one.
     Something(String),
-    Nothing,
+    /// With the values with which the unit runs; why it doesn't with another.
+    Nothing(Option<String>),
     /// The unit took too long.
     Hung,
 }
+
+/// Why a unit that took too long was not run on.
+const HUNG: &str = "it takes too long";
 
 /// Runs of the unit with other values.
 struct Probe<'a> {
@@ -65,8 +71,11 @@ pub(super) fn find_idle(trial: &Trial<'_>, parameters: &[usize], starts: &[usize
             match probe.tried(&nominal, &[], *place, &values) {
                 Did::Something(_) if !is_off(variable) => {}
                 Did::Something(first) => off.push((*place, on(values, &first))),
-                Did::Nothing => silent.push(*place),
-                Did::Hung => found.idle.push(*place),
+                Did::Nothing(failed) => {
+                    silent.push(*place);
+                    found.failing.extend(failed.map(|why| (*place, why)));
+                }
+                Did::Hung => found.hangs(*place),
             }
         }
     }
@@ -75,9 +84,12 @@ pub(super) fn find_idle(trial: &Trial<'_>, parameters: &[usize], starts: &[usize
             off.push((*place, vec![first]));
             false
         }
-        Did::Nothing => true,
+        Did::Nothing(failed) => {
+            found.failing.extend(failed.map(|why| (*place, why)));
+            true
+        }
         Did::Hung => {
-            found.idle.push(*place);
+            found.hangs(*place);
             false
         }
     });
@@ -92,7 +104,19 @@ pub(super) fn find_idle(trial: &Trial<'_>, parameters: &[usize], starts: &[usize
     probe.beside(&off, &mut silent);
     found.unfinished = if probe.is_over() { silent.len() } else { 0 };
     found.idle.extend(silent);
+    let idle = &found.idle;
+    found.failing.retain(|(place, _)| idle.contains(place));
+    // the first reason that a value gave
+    found.failing.sort_by_key(|(place, _)| *place);
+    found.failing.dedup_by_key(|(place, _)| *place);
     found
+}
+
+impl Found {
+    fn hangs(&mut self, place: usize) {
+        self.idle.push(place);
+        self.failing.push((place, HUNG.into()));
+    }
 }
 
 impl<'a> Probe<'a> {
@@ -106,16 +130,18 @@ impl<'a> Probe<'a> {
 
     /// What a parameter does at values of it, beside others that are set, against a run with these.
     fn tried(&self, own: &MemoryRecorder, set: &[(String, String)], place: usize, values: &[String]) -> Did {
+        let mut failed = None;
         for value in values.iter().take_while(|_| !self.is_over()) {
             let mut set = set.to_vec();
             set.push((self.variable(place).name.clone(), value.clone()));
             match self.trial.run(&set, Some(self.limit)) {
                 Ok(Some(moved)) if differ(self.trial, own, &moved) => return Did::Something(value.clone()),
                 Ok(None) => return Did::Hung,
-                _ => {}
+                Err(why) => failed = failed.or_else(|| Some(why.in_short().to_owned())),
+                Ok(_) => {}
             }
         }
-        Did::Nothing
+        Did::Nothing(failed)
     }
 
     /// Takes from those that are silent what acts beside something that is off, once that is on.

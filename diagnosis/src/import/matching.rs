@@ -68,8 +68,9 @@ fn check_units(description: &Description, sheet: &Sheet, matches: &[Match]) -> R
         let (Some(unit), Some(_)) = (&matched.unit, &variable.unit) else { continue };
         if let Err(why) = measure::conversion(unit, variable, description) {
             let problem = format!(
-                "column {:?}: {why}. Write the unit that was meant into the log's head; without one, numbers are taken as they are",
-                matched.column
+                "column {:?}: {why}{} Write the unit that was meant into the log's head; without one, numbers are taken as they are",
+                matched.column,
+                if why.ends_with('?') { "" } else { "." }
             );
             return Err(Error::Manifest { path: sheet.path.clone(), line: sheet.lines.0, problem });
         }
@@ -173,6 +174,12 @@ fn rank(variable: &Variable) -> Option<f64> {
         (_, Causality::Local) => Some(0.0),
         _ => None,
     }
+}
+
+/// Whether a name is, but for case and marks, that of something that may be measured.
+pub(super) fn is_measurable(description: &Description, name: &str) -> bool {
+    let is_so = |one: &Variable| rank(one).is_some() && words(&one.name).concat() == words(name).concat();
+    name.contains(char::is_alphanumeric) && description.variables.iter().any(is_so)
 }
 
 /// Whether a column and a variable are the only ones of what they measure, in a log and among a unit's inputs and outputs, and why.

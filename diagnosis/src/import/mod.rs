@@ -185,7 +185,7 @@ fn try_model(
         notices.push(format!("{told}. Nothing else was tried against the model"));
         return idle_parameters::Found::default();
     }
-    trial::against_model(known, matches, notices);
+    trial::against_model(known, unshown, matches, notices);
     idle_parameters::find_idle(&known.trial(matches), candidates, unshown)
 }
 
@@ -197,10 +197,13 @@ fn read_sheets(logs: &[PathBuf], unit: &Fmu, clock: Option<Clock>) -> Result<Vec
         if let Some(Clock { rate, start }) = clock {
             sheet.timed(rate, start)?;
         }
-        sheet.with_names(&|text| {
-            let own = text.strip_prefix(&instance(unit)).and_then(|rest| rest.strip_prefix('.'));
-            unit.description().place(own.unwrap_or(text)).is_some()
-        });
+        let own = |text: &str| {
+            let rest = text.strip_prefix(&instance(unit)).and_then(|rest| rest.strip_prefix('.'));
+            rest.unwrap_or(text).to_owned()
+        };
+        let known = |text: &str| unit.description().place(&own(text)).is_some();
+        let is_name = |text: &str| matching::is_measurable(unit.description(), &own(text));
+        sheet.with_names(&known, &is_name);
         again(&sheets, &sheet).map_or(Ok(()), Err)?;
         sheets.push(sheet);
     }

@@ -41,6 +41,8 @@ pub(super) struct Import {
     pub rows: usize,
     /// An offset is proposed from so many deviations of the measured course: a smaller one may be what the model lacks.
     pub offset: f64,
+    /// A start shifts a course where, on the mean of a trial, this share is left of what it moves at its begin: what dies away sooner is no offset.
+    pub lasting: f64,
     /// What a number that may change nothing is multiplied by; one that is 0 is set to these and to their opposites.
     pub idle_moves: [f64; 4],
     /// Real time that such a run may take in any case: to start a process takes some of it.
@@ -78,6 +80,7 @@ pub(super) const IMPORT: Import = Import {
     turned_inputs: 4,
     rows: 3000,
     offset: CERTAIN,
+    lasting: SMALL,
     idle_moves: [SMALL, HALF, 2.0, FAR],
     idle_least: Duration::from_secs(1),
     rows_apart: FAR * FAR,

@@ -1,7 +1,7 @@
 //! A log as loggers and spreadsheets write it: decimal commas; units in the header or in a line of their own; columns of words.
 
-use super::cells::{Marks, is_missing, is_value, is_word};
-use super::heads::{Header, header};
+use super::cells::{BOOLEANS_READ, Marks, booleans, is_missing, is_value, is_word};
+use super::heads::{self, Header, header};
 use super::policy::IMPORT;
 use super::text::{Separator, Text};
 use super::times::TIME_NAMES;
@@ -117,7 +117,8 @@ fn records(text: &Text, path: &Path) -> Result<(Vec<Header>, Vec<Record>), Error
         .trim(csv::Trim::All)
         .from_reader(text.table.as_bytes());
     let headers = reader.headers().map_err(|error| wrong(text.above + 1, format!("not CSV: {error}")))?;
-    let columns: Vec<Header> = headers.iter().map(header).collect();
+    let mut columns: Vec<Header> = headers.iter().map(header).collect();
+    heads::told_apart(&mut columns);
     let mut records = Vec::new();
     for record in reader.records() {
         let line = |error: &csv::Error| error.position().map_or(1, |at| at.line() as usize);
@@ -158,6 +159,7 @@ impl Sheet {
         let (path, named) = (path.to_owned(), columns.clone());
         let mut sheet = Self { path, columns, rows, lines, dialect: None, clock: None, told };
         sheet.with_clock(&records, &mut kinds)?;
+        sheet.with_booleans(&records, &mut kinds);
         sheet.without_words(&kinds)?;
         sheet.check_numbers(&named)?;
         sheet.join_rows();
@@ -216,6 +218,22 @@ impl Sheet {
         Ok(())
     }
 
+    /// Reads columns of words for yes and no as 1 and 0, and tells them.
+    fn with_booleans(&mut self, records: &[Record], kinds: &mut [Cells]) {
+        for (place, kind) in kinds.iter_mut().enumerate() {
+            let Some((line, cell)) = kind.first.as_ref() else { continue };
+            let cells = records.iter().map(|(_, record)| record.get(place).unwrap_or(""));
+            let Some(values) = booleans(cells) else { continue };
+            let first = values.iter().find(|value| value.is_finite()).unwrap_or(&f64::NAN);
+            let text = &self.columns[place].text;
+            self.told.push(format!(
+                "column {text:?}: words are read as 1 and 0: {cell:?} in line {line} is {first}"
+            ));
+            self.rows.iter_mut().zip(values).for_each(|(row, value)| row[place] = value);
+            kind.first = None;
+        }
+    }
+
     /// Leaves out columns that hold words. One of numbers with a word in it is an error, as is one of time: another would pass for it.
     fn without_words(&mut self, kinds: &[Cells]) -> Result<(), Error> {
         for (place, cells) in kinds.iter().enumerate().rev() {
@@ -234,10 +252,13 @@ impl Sheet {
                 };
                 return Err(self.wrong(*line, format!("column {text:?}: {cell:?} is no number; {wanted}")));
             }
-            let dates =
-                if is_date(cell) && self.clock.is_none() { format!("; {READ}") } else { String::new() };
+            let read = match is_date(cell) {
+                true if self.clock.is_none() => format!("; {READ}"),
+                true => String::new(),
+                false => format!("; {BOOLEANS_READ}"),
+            };
             self.told
-                .push(format!("column {text:?} holds words (line {line}: {cell:?}) and is left out{dates}"));
+                .push(format!("column {text:?} holds words (line {line}: {cell:?}) and is left out{read}"));
             self.columns.remove(place);
             for row in &mut self.rows {
                 row.remove(place);
@@ -283,14 +304,18 @@ impl Sheet {
         self.rows.iter().map(|row| row[place]).collect()
     }
 
-    /// Columns that are named after a variable to the letter have that name: `M_A` is no M in ampere, `v[2]` no v in units of 2.
-    pub(super) fn with_names(&mut self, known: &dyn Fn(&str) -> bool) {
-        for column in self.columns.iter_mut().filter(|column| known(&column.text)) {
+    /// Columns that are named after a variable to the letter have that name: `M_A` is no M in ampere, `v[2]` no v in units of 2. What a head leaves
+    /// open, `T/K`, a variable's name in it tells.
+    pub(super) fn with_names(&mut self, known: &dyn Fn(&str) -> bool, is_name: &dyn Fn(&str) -> bool) {
+        for column in &mut self.columns {
             // a unit from the line below stays
-            if column.unit == header(&column.text).unit {
-                column.unit = None;
+            let is_of_head = column.unit == header(&column.text).unit;
+            if known(&column.text) {
+                column.unit = column.unit.take().filter(|_| !is_of_head);
+                column.name.clone_from(&column.text);
+            } else if let Some(head) = heads::beside_variables(&column.text, is_name).filter(|_| is_of_head) {
+                *column = head;
             }
-            column.name.clone_from(&column.text);
         }
     }
 }
@@ -331,14 +356,26 @@ mod tests {
         let told = read("twice", "t,i [mA],mode,i [mA]\n0,1,on,2\n1,1,off,2\n2,1,on,3\n").unwrap_err();
         assert!(told.contains(":1: columns 2 and 4 are both called \"i [mA]\""), "{told}");
         // words are left out, whatever they are called
-        assert!(read("words", "t,i,i\n0,1,on\n1,1,off\n2,1,on\n").is_ok());
+        assert!(read("words", "t,i,i\n0,1,idle\n1,1,run\n2,1,idle\n").is_ok());
         let told = read("huge", "# rig\nt,i [mA]\n0,1\n1,-2\n2,1e308\n3,1\n").unwrap_err();
         assert!(told.contains(":5: column \"i [mA]\": 1e308 is no measurement"), "{told}");
     }
 
     #[test]
+    fn value_columns_of_words_for_yes_and_no() {
+        let sheet = read("words-on", "t,brake,fan,valve\n0,on,No,open\n1,OFF,,closed\n2,On,yes,open\n");
+        let sheet = sheet.expect("it is read");
+        assert_eq!(sheet.names(), ["t", "brake", "fan"]);
+        assert_eq!((sheet.column(1), sheet.rows[2][2]), (vec![1.0, 0.0, 1.0], 1.0));
+        assert!(sheet.rows[1][2].is_nan() && sheet.rows[0][2] == 0.0);
+        let told = sheet.told.join("; ");
+        assert!(told.contains("\"brake\": words are read as 1 and 0: \"on\" in line 2 is 1"), "{told}");
+        assert!(told.contains("\"valve\" holds words") && told.contains("on and off, yes and no"), "{told}");
+    }
+
+    #[test]
     fn value_heads_that_are_names_of_variables() {
-        let columns = ["M_A", "v[2]", "u_V", "x [mm]"].map(header).to_vec();
+        let columns = ["M_A", "v[2]", "u_V", "x [mm]", "T/K"].map(header).to_vec();
         let mut sheet = Sheet {
             path: "log.csv".into(),
             columns,
@@ -348,9 +385,10 @@ mod tests {
             clock: None,
             told: vec![],
         };
-        sheet.with_names(&|text| ["M_A", "v[2]"].contains(&text));
+        sheet.with_names(&|text| ["M_A", "v[2]"].contains(&text), &|text| text == "T");
         let heads: Vec<_> =
             sheet.columns.iter().map(|head| (head.name.as_str(), head.unit.as_deref())).collect();
-        assert_eq!(heads, [("M_A", None), ("v[2]", None), ("u", Some("V")), ("x", Some("mm"))]);
+        let wanted = [("M_A", None), ("v[2]", None), ("u", Some("V")), ("x", Some("mm")), ("T", Some("K"))];
+        assert_eq!(heads, wanted);
     }
 }

@@ -198,7 +198,7 @@ fn by(value: f64) -> f64 {
 }
 
 /// A number's start value moved within its range, a whole one by one.
-fn moved(variable: &Variable) -> Option<f64> {
+pub(super) fn moved(variable: &Variable) -> Option<f64> {
     let value = value_of(variable);
     let by = if variable.kind == Kind::Integer { 1.0 } else { by(value) };
     let room = |value: f64| {

@@ -11,6 +11,8 @@ pub(super) struct Line {
     at: usize,
     /// Cells up to the last that is not empty.
     cells: usize,
+    /// With those behind it.
+    width: usize,
     values: usize,
     words: usize,
     /// The first cell is a word.
@@ -99,6 +101,7 @@ pub(super) fn cut(lines: &[&str], separator: Separator) -> Vec<Line> {
         Line {
             at,
             cells: all.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1),
+            width: all.len(),
             values: all.iter().filter(|cell| is_value(cell)).count(),
             words: all.iter().filter(|cell| is_word(cell)).count(),
             begins_with_a_word: all.first().is_some_and(|cell| is_word(cell)),
@@ -108,29 +111,42 @@ pub(super) fn cut(lines: &[&str], separator: Separator) -> Vec<Line> {
     lines.iter().enumerate().filter(|(_, text)| !is_comment(text)).map(line).collect()
 }
 
-/// How many cells most rows have.
-fn usual(lines: &[Line]) -> usize {
-    let mut counts = std::collections::BTreeMap::<usize, usize>::new();
-    lines.iter().filter(|line| line.is_row()).for_each(|line| *counts.entry(line.cells).or_default() += 1);
-    counts.into_iter().max_by_key(|(_, count)| *count).map_or(0, |(cells, _)| cells)
+/// How many cells most rows have, and most of these with the empty ones behind them.
+fn usual(lines: &[Line]) -> (usize, usize) {
+    let most = |counted: &mut dyn Iterator<Item = usize>| {
+        let mut counts = std::collections::BTreeMap::<usize, usize>::new();
+        counted.for_each(|cells| *counts.entry(cells).or_default() += 1);
+        counts.into_iter().max_by_key(|(_, count)| *count).map_or(0, |(cells, _)| cells)
+    };
+    let rows = || lines.iter().filter(|line| line.is_row());
+    let cells = most(&mut rows().map(|line| line.cells));
+    (cells, most(&mut rows().filter(|line| line.cells == cells).map(|line| line.width)))
 }
 
 /// Finds the table: below the first line of as many names as most rows have cells that a row follows, a line of units between them or not; else
+/// below the first such of a name more for each cell that is empty at their ends (a column of remarks that nobody made); else
 /// below the first line, if that may be one of names. An error is the line in which it seems to begin.
 pub(super) fn find(lines: &[Line]) -> Result<Table, usize> {
-    let usual = usual(lines);
+    let (usual, width) = usual(lines);
     let is_followed = |place: usize| {
         let is_row = |at: usize| lines.get(at).is_some_and(Line::is_row);
         is_row(place + 1)
             || lines.get(place + 1).is_some_and(|line| line.is_names() && line.may_be_units)
                 && is_row(place + 2)
     };
-    let is_head =
-        |place: &usize| lines[*place].is_names() && lines[*place].cells == usual && is_followed(*place);
+    let head_of = |cells: usize| {
+        let is_head = |line: &Line| line.is_names() && line.cells == cells;
+        (0..lines.len()).find(|place| is_head(&lines[*place]) && is_followed(*place))
+    };
     // a row of the same table above it: words among rows
     let is_clear =
         |place: &usize| !lines[..*place].iter().any(|line| line.is_plain_row() && line.cells == usual);
-    let found = (0..lines.len()).find(is_head).filter(is_clear);
+    let found = match (head_of(usual), head_of(width)) {
+        // units of all but the last
+        (Some(units), Some(head)) if head + 1 == units && lines[units].may_be_units => Some(head),
+        (head, longer) => head.or(longer),
+    };
+    let found = found.filter(is_clear);
     let first_row = || lines.iter().find(|line| line.is_plain_row() && line.cells == usual);
     let place = match found {
         Some(place) => place,
@@ -188,6 +204,10 @@ mod tests {
             ("Rig 7,bench\nt,u\n0,1\n1,2", table(1, 4, true)),
             ("time,F,x\ns,lbs,furlongs\n0,1,2\n1,2,3", table(0, 4, false)),
             ("Rig 7,,\nt,u,w\ns,V,-\n0,1,2\n1,2,3\n", table(1, 5, true)),
+            // a name with nothing below it, under a device's own line
+            ("Device 7\nt,u,Comment\n0,1,\n1,2,", table(1, 4, true)),
+            ("LabVIEW\nVersion\t2\n\nt,u,x,y\ns,V,,\n0,1,,\n1,2,,\n2,1,,late", table(3, 8, true)),
+            ("Rate,Hz,x\nGain,2,x\nt,u\n0,1,\n1,2,", table(2, 5, true)),
             // a name with nothing below, rows with a cell too many, names that are numbers: the first line, as always
             ("t,u,w\n0,1,\n1,2,", table(0, 3, false)),
             ("t,u\n0,1,\n1,2,7", table(0, 3, false)),

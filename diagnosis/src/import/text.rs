@@ -146,9 +146,10 @@ fn check_blanks(lines: &[&str], names: &str) -> Result<(), (usize, String)> {
 
 /// What stands above a table and below it that is no comment, told.
 fn left_out(lines: &[&str], first: usize, found: &Table) -> Vec<String> {
-    let above = found
-        .is_below
-        .then(|| format!("lines {} to {} stand above the table and are left out", first + 1, found.head));
+    let above = found.is_below.then(|| match (first + 1, found.head) {
+        (one, last) if one == last => format!("line {one} stands above the table and is left out"),
+        (one, last) => format!("lines {one} to {last} stand above the table and are left out"),
+    });
     let below = lines.iter().enumerate().skip(found.end).find(|(_, line)| !is_comment(line));
     let below = below.map(|(at, line)| {
         format!("from line {} on ({:?}) no rows stand below the table: left out", at + 1, line.trim())
@@ -227,6 +228,10 @@ mod tests {
             told.contains("lines 1 to 4 stand above") && told.contains("from line 8 on (\"Mean,1.5,2.5\")"),
             "{told}"
         );
+        let labview = "Device 7\nX_Value,u,Comment\n0,1,\n1,2,\n";
+        assert_eq!(read(labview), Ok((Separator::Comma, "X_Value,u,Comment\n0,1,\n1,2,".into(), 1)));
+        let found = Text::decode(labview.as_bytes(), Path::new("log.csv")).expect("a table");
+        assert_eq!(found.left_out, ["line 1 stands above the table and is left out"]);
         assert_eq!(read("sep=;\nt;u\n0,5;1\n1;2\n"), Ok((Separator::Semicolon, "t;u\n0,5;1\n1;2".into(), 1)));
         let unclear = read("Rig 7,bench,a\n\nof,him,c\n0,1\n1,2\n").unwrap_err();
         assert!(unclear.contains("log.txt:4: a table seems to begin here"), "{unclear}");

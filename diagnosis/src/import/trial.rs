@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::observe::{Affine, measure};
 use crate::statistics::levels::SEVERAL;
 use ended::{Failed, Within};
-use judge::judge;
+use judge::{Told, judge};
 use orchestrator::fmu::Description;
 use orchestrator::scenario::{Shape, SignalEntry, SourceEntry};
 use orchestrator::{Fmu, Isolation, MemoryRecorder, Place, Scenario, Simulation, UnitPath};
@@ -44,8 +44,13 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Tries every match against the model and writes what it says beside it.
-pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &mut Vec<String>) {
+/// Tries every match against the model and writes what it says beside it. `unshown`: starts of states that no variable shows.
+pub(super) fn against_model(
+    known: &Known<'_>,
+    unshown: &[usize],
+    matches: &mut [Match],
+    notices: &mut Vec<String>,
+) {
     let Known { fmu, starts, signs, .. } = *known;
     if let Some(signs) = signs {
         matches.iter_mut().for_each(|matched| with_sign(matched, signs, fmu, notices));
@@ -72,10 +77,14 @@ pub(super) fn against_model(known: &Known<'_>, matches: &mut [Match], notices: &
             matched.evidence.push("sign as logged: no other follows the logs better".into());
         }
     }
+    let (tried, free) = (matches.to_vec(), elsewhere::free_starts(starts, unshown, matches));
+    let trial = known.trial(&tried);
+    let shifted_by = |matched: &Match| trial.shifted_by(matched, &free).map(str::to_owned);
+    let told = Told { description: described, starts, signs: signs.is_some(), shifted_by: &shifted_by };
     for (matched, line) in matches.iter_mut().zip(lines) {
         // a sign that is known and that the whole log contradicts: the model drifts off, and this line says nothing
         if let Some(line) = line.filter(|line| signs.is_none() || line.slope > 0.0) {
-            judge(matched, line, described, starts, signs.is_some(), notices);
+            judge(matched, line, &told, notices);
         }
     }
 }
@@ -338,6 +347,7 @@ fn scenario(fmu: &Fmu, times: &[f64], gap: f64) -> Result<Scenario, Failed> {
     Ok(Scenario::parse(&text, "import.toml")?)
 }
 
+mod elsewhere;
 mod ended;
 mod judge;
 #[cfg(test)]

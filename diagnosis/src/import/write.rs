@@ -235,8 +235,23 @@ fn put_candidates(
     if !struck.is_empty() {
         text.push_str("\n# guess: moved far, these change nothing that the longest log shows, or the unit can't be run with them\n");
         struck.iter().for_each(|place| text.push_str(&entry(*place, "# ")));
-        guesses.push(format!("{} more change nothing that the longest log shows", struck.len()));
+        guesses.extend(struck_out(fmu, &struck, tried));
     }
+}
+
+/// What is said of parameters that are struck out: that they change nothing, and which may do so only since the unit can't be run with them.
+fn struck_out(fmu: &Fmu, struck: &[usize], tried: &idle_parameters::Found) -> Vec<String> {
+    let fails = |place: &usize| {
+        let (_, why) = tried.failing.iter().find(|(failing, _)| failing == place)?;
+        let name = &fmu.description().variables[*place].name;
+        Some(format!(
+            "{name} is struck out, too: moved off its start value, the unit can't always be run ({why})"
+        ))
+    };
+    let failing: Vec<String> = struck.iter().filter_map(fails).collect();
+    let silent = struck.len() - failing.len();
+    let silent = (silent > 0).then(|| format!("{silent} more change nothing that the longest log shows"));
+    silent.into_iter().chain(failing).collect()
 }
 
 /// A log with commas and points.

@@ -15,15 +15,21 @@ const USUAL: [&str; 22] = [
     "kN", "mN.m", "g", "ms", "%", "mA.h", "degF",
 ];
 
-/// What a line says of unit, sign and offset of an output. `known`: its sign is.
-pub(super) fn judge(
-    matched: &mut Match,
-    line: Line,
-    description: &Description,
-    starts: &[Start],
-    known: bool,
-    notices: &mut Vec<String>,
-) {
+/// What is known where a line is judged.
+pub(super) struct Told<'a> {
+    /// The unit's.
+    pub description: &'a Description,
+    /// Which parameters are starts of which states.
+    pub starts: &'a [Start],
+    /// Signs are known.
+    pub signs: bool,
+    /// The start, which no log gives, that shifts the whole course of an output.
+    pub shifted_by: &'a dyn Fn(&Match) -> Option<String>,
+}
+
+/// What a line says of unit, sign and offset of an output.
+pub(super) fn judge(matched: &mut Match, line: Line, told: &Told<'_>, notices: &mut Vec<String>) {
+    let Told { description, signs: known, .. } = *told;
     let variable = &description.variables[matched.variable];
     let said = format!("correlation with the model {:.2}, slope {}", line.correlation, in_short(line.slope));
     if line.correlation.abs() < IMPORT.tells && known {
@@ -45,25 +51,25 @@ pub(super) fn judge(
         ));
         return;
     }
-    let (near, mut told) = (seen.is_some(), false);
+    let (near, mut is_told) = (seen.is_some(), false);
     match (seen, matched.unit.clone()) {
         (Some(seen @ Seen { beside: None, .. }), None) => {
             return take_unit(matched, line, own, seen, &said, notices);
         }
-        (Some(seen), header) => told = tell(matched, &seen, header.as_deref(), &said, notices),
+        (Some(seen), header) => is_told = tell(matched, &seen, header.as_deref(), &said, notices),
         (None, _) => {}
     }
     if !line.begun {
         return;
     }
-    if let Some((affine, what)) = turned_or_shifted(matched, line, description, starts) {
+    if let Some((affine, what)) = turned_or_shifted(matched, line, told) {
         matched.affine = Some(affine);
         let apart = apart(line);
         matched.evidence.push(format!("{what}, by trial: {said}, means apart by {apart:.4}"));
         notices.push(format!("column {:?}: {what}, by trial ({said})", matched.column));
         return;
     }
-    size(matched, line, near && !told, &said, notices);
+    size(matched, line, near && !is_told, &said, notices);
 }
 
 /// Takes the unit of measurement that was seen for an output of which nothing says one.
@@ -119,21 +125,24 @@ fn apart(line: Line) -> f64 {
     line.mean.1 - line.slope.signum() * line.mean.0
 }
 
-/// The conversion of an output whose sign is turned or whose offset is large, and what was done.
-fn turned_or_shifted(
-    matched: &Match,
-    line: Line,
-    description: &Description,
-    starts: &[Start],
-) -> Option<(Affine, String)> {
-    let (own, sign) = (converted(matched, description), line.slope.signum());
-    // where the log itself says how the model starts, an offset is in the start as well; a slope that isn't one has an offset of its own
-    let far = line.fits()
-        && starts::find(starts, matched.variable).is_none()
+/// The conversion of an output whose sign is turned or whose offset is large, and what was done. No offset is taken out where a start says as well why
+/// it lies apart: the log itself gives it where the output shows it, and another may be off.
+fn turned_or_shifted(matched: &mut Match, line: Line, told: &Told<'_>) -> Option<(Affine, String)> {
+    let (own, sign) = (converted(matched, told.description), line.slope.signum());
+    // a slope that isn't one has an offset of its own
+    let mut far = line.fits()
+        && starts::find(told.starts, matched.variable).is_none()
         && apart(line).abs() > IMPORT.offset * line.spread;
-    let other = other_zero(line, own, &description.variables[matched.variable], description);
+    let other = other_zero(line, own, &told.description.variables[matched.variable], told.description);
     if let Some((unit, affine)) = other.filter(|_| far && sign > 0.0) {
         return Some((affine, format!("in {unit}, whatever its header says")));
+    }
+    if let Some(start) = far.then(|| (told.shifted_by)(matched)).flatten() {
+        far = false;
+        matched.evidence.push(format!(
+            "no offset taken out, though means are apart by {:.4}: the machine may have begun elsewhere than where {start} starts the model",
+            apart(line)
+        ));
     }
     let what = match (sign < 0.0, far) {
         (true, true) => "sign turned and offset taken out",

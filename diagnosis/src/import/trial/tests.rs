@@ -49,7 +49,9 @@ fn judged_in(line: Line, header: Option<&str>, affine: Option<Affine>) -> (Match
         hold: None,
     };
     let mut notices = Vec::new();
-    judge(&mut matched, line, &description, &[], affine.is_some(), &mut notices);
+    let told =
+        Told { description: &description, starts: &[], signs: affine.is_some(), shifted_by: &|_| None };
+    judge(&mut matched, line, &told, &mut notices);
     (matched, notices)
 }
 
@@ -144,4 +146,35 @@ fn value_an_offset_that_no_fault_of_the_model_is_taken_for() {
     assert!(why.contains("offset taken out"), "{why}");
     // to the rounding of sums of tens
     assert!(affine.is_some_and(|affine| (affine.offset + 5.0).abs() < 1e-12 && affine.scale == 1.0));
+}
+
+#[test]
+fn value_an_offset_that_a_start_explains_as_well_is_left_in() {
+    let text = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/><ModelVariables>
+        <ScalarVariable name="s" valueReference="0" causality="output" variability="continuous"><Real/></ScalarVariable>
+        </ModelVariables><ModelStructure/></fmiModelDescription>"#;
+    let description = Description::parse(text).expect("a description");
+    let judged = |slope: f64, start: Option<&str>| {
+        let mut matched = Match {
+            variable: 0,
+            column: "s".into(),
+            unit: None,
+            affine: None,
+            evidence: Vec::new(),
+            fed: false,
+            hold: None,
+        };
+        let shifted_by = |_: &Match| start.map(str::to_owned);
+        let told = Told { description: &description, starts: &[], signs: false, shifted_by: &shifted_by };
+        let line = Line { mean: (2.0, 8.0), correlation: 0.99 * slope, ..straight(slope) };
+        judge(&mut matched, line, &told, &mut Vec::new());
+        (matched.affine.map(|affine| (affine.scale, affine.offset)), matched.evidence.join("; "))
+    };
+    let (affine, why) = judged(1.0, Some("s_0"));
+    assert_eq!(affine, None);
+    assert!(why.contains("apart by 6.0000") && why.contains("s_0") && why.contains("size fit"), "{why}");
+    assert_eq!(judged(1.0, None).0, Some((1.0, -6.0)));
+    // a sign is turned whatever moves the course
+    assert_eq!(judged(-1.0, Some("s_0")).0, Some((-1.0, 0.0)));
+    assert_eq!(judged(-1.0, None).0, Some((-1.0, 10.0)));
 }

@@ -71,7 +71,12 @@ pub fn beside(path: &Path) -> PathBuf {
 /// If it can't be written; the one before then stays, and nothing is left beside it.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let new = beside(path);
-    let written = File::create(&new).and_then(|mut file| {
+    // what lies there was cut off, or is a link that somebody put there: it is not written through
+    let gone = match fs::remove_file(&new) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    };
+    let written = gone.and_then(|()| File::create_new(&new)).and_then(|mut file| {
         write(&mut file)?;
         file.sync_all()
     });
@@ -116,6 +121,12 @@ mod tests {
         write_whole(&path, |file| file.write_all(b"sec").and_then(|()| full())).expect_err("full");
         assert_eq!(read_text(&path).expect("there"), "first");
         assert!(!beside(&path).exists());
+        let mine = folder.path().join("mine");
+        write_whole(&mine, |file| file.write_all(b"mine")).expect("written");
+        std::os::unix::fs::symlink(&mine, beside(&path)).expect("a link");
+        write_whole(&path, |file| file.write_all(b"second")).expect("written");
+        let both = [&path, &mine].map(|path| read_text(path).expect("there"));
+        assert_eq!(both, ["second", "mine"], "nothing is written through a link");
     }
 
     #[test]

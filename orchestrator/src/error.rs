@@ -1,7 +1,7 @@
 //! What can go wrong, with the values that a person needs to put it right.
 
 use crate::fmu::{LogLine, Status};
-use crate::words::{at, few, listed, reached, reasons, tail};
+use crate::words::{at, listed, reached, reasons, tail};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -169,14 +169,14 @@ pub enum Error {
         log: Vec<LogLine>,
     },
     /// A call that reads or writes variables failed.
-    #[error("unit {unit}: {function} of {}{} answered {status}{}", few(variables), at(*time), tail(log))]
+    #[error("unit {unit}: {function} of {variables}{} answered {status}{}", at(*time), tail(log))]
     Access {
         /// Name in the scenario.
         unit: String,
         /// The function.
         function: &'static str,
-        /// The variables that it was about, as many as they are.
-        variables: Vec<String>,
+        /// The variables that it was about, in words: the first few by name.
+        variables: String,
         /// What it answered.
         status: Status,
         /// Simulated time in s, if there was one.

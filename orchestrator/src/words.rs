@@ -6,11 +6,11 @@ pub(crate) fn at(time: Option<f64>) -> String {
     time.map_or_else(String::new, |time| format!(" at t = {time} s"))
 }
 
-/// The first of several names.
-pub(crate) fn few(names: &[String]) -> String {
+/// The names of the first of several, and how many more there are: each is looked for, and they may be a hundred thousand.
+pub(crate) fn few<T>(all: &[T], name: impl Fn(&T) -> String) -> String {
     const FEW: usize = 3;
-    let first = names.iter().take(FEW).map(String::as_str).collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(FEW) {
+    let first = all.iter().take(FEW).map(name).collect::<Vec<_>>().join(", ");
+    match all.len().saturating_sub(FEW) {
         0 => first,
         more => format!("{first} and {more} more"),
     }

@@ -8,8 +8,8 @@
 //!
 //! A unit without `canInterpolateInputs` gets the value at the *end* of its step for an input from which an output that goes to
 //! another unit follows at once, by its description: in the middle the output would be half a step late, and the coupling of first
-//! order. The middle for the step and then the end for the outputs is not to be had: FMI 2.0 section 4.2.4 forbids
-//! `fmi2GetXXX` after `fmi2SetXXX` without a step in between, and a unit may answer it with an error or with what it had before.
+//! order. The middle for the step and then the end for the outputs is not to be had: FMI 2.0 section 4.2.4 forbids reads
+//! after writes without a step in between, and a unit may answer with an error or with what it had before.
 
 use super::{Algorithm, Sees};
 use crate::error::Error;

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::fmu::LogLine;
 use crate::fmu::{Instance, Status};
 use crate::value::Kind;
+use crate::words::few;
 use std::ffi::c_int;
 
 impl Instance {
@@ -70,7 +71,7 @@ impl Instance {
         };
         match error {
             Error::Call { unit, function, status, time, log } if !references.is_empty() => {
-                let variables = references.iter().map(name).collect();
+                let variables = few(references, name);
                 Error::Access { unit, function, variables, status, time, log }
             }
             other => other,

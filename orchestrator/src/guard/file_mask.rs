@@ -1,6 +1,6 @@
 //! Which permissions new files don't get (`umask`): of the whole process, so that a unit that changes it changes it for the results, too.
 
-/// The mask as it was.
+/// The mask as it was; it is put back at the latest when this is dropped.
 #[derive(Debug)]
 pub struct FileMask(Option<u32>);
 
@@ -21,5 +21,11 @@ impl FileMask {
             unsafe { libc::umask(before as libc::mode_t) };
         }
         now != before
+    }
+}
+
+impl Drop for FileMask {
+    fn drop(&mut self) {
+        self.put_back();
     }
 }

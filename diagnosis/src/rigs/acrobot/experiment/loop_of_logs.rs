@@ -7,7 +7,7 @@ use crate::statistics::levels::{FAR, MORE};
 use crate::statistics::median::usual_step;
 use crate::text::brief;
 
-/// Why a simulated run is none that this lab could make: its controller asks for far more than any that was logged.
+/// Why the loop in which the runs were simulated once more is none of this lab's: its controller asks for far more than any that was logged.
 pub fn beyond_the_logs(made: &Table, like: &DataSet) -> Option<String> {
     let logs = like.runs.iter().filter_map(|run| run.controller.as_ref());
     let [asked, logged] = [largest(made), logs.map(largest).fold(0.0, f64::max)];

@@ -145,7 +145,13 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     let likely = (0..weights.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
     let (mut tried, mut failed) = (Vec::new(), Vec::new());
     let simulated = &mut Simulated::default();
+    let foreign = run_in_loop(question, &AGAIN, likely, simulated)
+        .and_then(|made| loop_of_logs::beyond_the_logs(&made, question.data));
     for entry in CATALOGUE {
+        if let Some(why) = foreign.as_ref().filter(|_| closes_loop(question, entry)) {
+            failed.push((entry, why.clone()));
+            continue;
+        }
         match simulate_with_one(question, entry, likely, simulated) {
             Ok(one) => tried.extend(one),
             Err(problem) => failed.push((entry, problem.to_string())),
@@ -153,6 +159,7 @@ fn choice(question: &Question<'_>) -> (Option<NextExperiment>, Option<String>) {
     }
     // what can't be simulated can't be checked either
     let same = simulate_with_one(question, &AGAIN, likely, simulated).ok().flatten();
+    let same = same.filter(|_| foreign.is_none());
     // the tolerance of renderers does not become less with more images
     let longer = question.members.iter().all(|member| question.list[member.candidate].side == Side::Plant);
     let plain: BTreeMap<&str, Losses> =
@@ -200,11 +207,27 @@ fn promised_of(
     let moves = entry.changes.iter().any(|change| matches!(change, Change::Desired(_) | Change::Hang));
     let runs = Some(prepared.repeats.round()).filter(|runs| moves && *runs > 1.0);
     let runs = runs.map(|runs| format!("Make {runs} such runs: as long in all as those that were made."));
-    let closed = prepared.scenario.units.iter().any(|unit| unit.name == "controller");
-    let made = Bench::new(question, &prepared).and_then(|bench| bench.logged(truth, simulated));
-    let made = made.ok().and_then(|run| run.controller).filter(|_| closed);
+    let made = run_in_loop(question, entry, truth, simulated);
     let other = made.and_then(|made| loop_of_logs::quicker_than(&made, question.data));
     runs.into_iter().chain(other).collect()
+}
+
+/// Whether the scenario's controller drives an experiment.
+fn closes_loop(question: &Question<'_>, entry: &Experiment) -> bool {
+    let prepared = prepare(question.data, question.model, entry).ok().flatten();
+    prepared.is_some_and(|prepared| prepared.scenario.units.iter().any(|unit| unit.name == "controller"))
+}
+
+/// The torques of an experiment that the scenario's controller drives.
+fn run_in_loop(
+    question: &Question<'_>,
+    entry: &'static Experiment,
+    truth: usize,
+    simulated: &mut Simulated,
+) -> Option<Table> {
+    let prepared = prepare(question.data, question.model, entry).ok()??;
+    let run = Bench::new(question, &prepared).ok()?.logged(truth, simulated).ok()?;
+    run.controller.filter(|_| closes_loop(question, entry))
 }
 
 /// An experiment that could not be simulated, and why.

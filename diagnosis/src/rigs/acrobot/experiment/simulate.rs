@@ -2,7 +2,6 @@
 //! noise: noise is counted where the data are compared.
 
 use super::catalogue::Change;
-use super::loop_of_logs::beyond_the_logs;
 use super::scenario::{Logs, Prepared, record, refused};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Attribute, name};
@@ -96,10 +95,6 @@ pub fn simulate(
     if let Some(time) = log.goes_round()?.filter(|_| !log.controlled) {
         return Err(Error::Model(format!("a link goes round after {time:.1} s")));
     }
-    let controller = log.controller()?;
-    if let Some(problem) = beyond_the_logs(&controller, like).filter(|_| log.controlled) {
-        return Err(Error::Model(problem));
-    }
     let camera = if log.filmed && prepared.logs.images { Some(log.camera()?) } else { None };
     if camera.as_ref().is_some_and(Table::is_empty) {
         return Err(Error::Model("the camera unit finds its circles in none of the frames".into()));
@@ -108,7 +103,7 @@ pub fn simulate(
     let run = dataset::Run {
         name: "simulated".into(),
         camera,
-        controller: Some(controller),
+        controller: Some(log.controller()?),
         plant: if prepared.logs.encoders { Some(log.plant(&prepared.logs, often)?) } else { None },
     };
     let manifest =

@@ -16,6 +16,7 @@ mod incline;
 mod infer;
 mod input;
 mod lens;
+mod limits;
 mod linked;
 mod lost;
 mod observe;

@@ -288,29 +288,6 @@ fn law_a_unit_elsewhere_is_asked_for_errors_and_warnings_only() {
 }
 
 #[test]
-fn bad_sizes_of_a_state_are_told_here_and_elsewhere() {
-    unit_host();
-    let units = Units::new();
-    for (place, size) in ["(size_t)-1", "(size_t)1 << 62"].into_iter().enumerate() {
-        let library = common::library_with(&[("*size = sizeof(Unit);", &format!("*size = {size};"))]);
-        let path = units.pack(&format!("size-{place}.fmu"), &common::description(common::STATEFUL), &library);
-        let fmu = orchestrator::Fmu::open(path).expect("opens");
-        let told = |fmu: &orchestrator::Fmu| {
-            let mut instance = fmu.instantiate("a").expect("instantiates");
-            let saved = instance.save_state().expect("saved");
-            let error = instance.serialize_state(&saved).expect_err("too large");
-            assert!(!error.is_input(), "the unit is wrong: {error}");
-            error.to_string()
-        };
-        let asks = "unit a: fmi2SerializedFMUstateSize asks for ";
-        let here = told(&fmu);
-        assert!(here.starts_with(asks) && here.ends_with(" bytes, for which there is no memory"), "{here}");
-        let there = told(&fmu.isolated(Isolation::default()));
-        assert!(there.contains("its process was ended, since the unit says that its state has"), "{there}");
-    }
-}
-
-#[test]
 fn every_end_of_a_process_is_told_and_the_rows_are_kept() {
     let units = Units::new();
     let short = Isolation { step_limit: Duration::from_millis(500), ..Isolation::default() };
@@ -411,11 +388,6 @@ fn law_scenarios_say_what_is_isolated() {
         (
             "isolate = true\n    step_limit = 0",
             "test.toml:9: step_limit = 0: seconds, above zero and below 1e9",
-        ),
-        // a clock can't count as many on from now
-        (
-            "isolate = true\n    step_limit = 1e19",
-            "test.toml:9: step_limit = 10000000000000000000: seconds, above zero and below 1e9",
         ),
         ("isolate = true\n    memory_limit = 0", "test.toml:9: memory_limit = 0: MiB, above zero"),
     ] {

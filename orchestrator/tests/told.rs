@@ -1,4 +1,4 @@
-//! What is told of a call that failed: the variables that it was about, and want of memory where there was any.
+//! What is told of a call that failed: the variables that it was about, want of memory where there was any, and a state that is too large.
 
 use crate::common::{STATEFUL, Units, description, library_with};
 use orchestrator::{Isolation, MemoryRecorder, Quiet, Scenario, Simulation};
@@ -78,5 +78,40 @@ fn law_a_call_about_variables_that_fails_names_them() {
             let error = ends(&units, "refuses.fmu", &format!("fault = {fault}"), isolation.clone());
             assert_eq!(error, told, "{isolation:?}");
         }
+    }
+}
+
+#[test]
+fn bad_sizes_of_a_state_are_told_here_and_elsewhere() {
+    unit_host();
+    let units = Units::new();
+    for (place, size) in ["(size_t)-1", "(size_t)1 << 62"].into_iter().enumerate() {
+        let library = library_with(&[("*size = sizeof(Unit);", &format!("*size = {size};"))]);
+        let path = units.pack(&format!("size-{place}.fmu"), &description(STATEFUL), &library);
+        let fmu = orchestrator::Fmu::open(path).expect("opens");
+        let told = |fmu: &orchestrator::Fmu| {
+            let mut instance = fmu.instantiate("a").expect("instantiates");
+            let saved = instance.save_state().expect("saved");
+            let error = instance.serialize_state(&saved).expect_err("too large");
+            assert!(!error.is_input(), "the unit is wrong: {error}");
+            error.to_string()
+        };
+        let asks = "unit a: fmi2SerializedFMUstateSize asks for ";
+        let here = told(&fmu);
+        assert!(here.starts_with(asks) && here.ends_with(" bytes, for which there is no memory"), "{here}");
+        let there = told(&fmu.isolated(Isolation::default()));
+        assert!(there.contains("its process was ended, since the unit says that its state has"), "{there}");
+    }
+}
+
+#[test]
+fn bad_limits_are_those_that_no_clock_counts_on_from_now() {
+    for seconds in ["1e19", "1e9", "0", "-1", "nan", "inf"] {
+        let text = format!(
+            "format = 1\nexperiment = {{ stop = 1 }}\n[[units]]\nname = \"a\"\nfmu = \"stateful.fmu\"\ninterval = 0.05\nisolate = true\nstep_limit = {seconds}\n"
+        );
+        let error = Scenario::parse(&text, "test.toml").expect_err(seconds).to_string();
+        assert!(error.starts_with("test.toml:8: step_limit = "), "{error}");
+        assert!(error.ends_with(": seconds, above zero and below 1e9"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! What is said to be found is found: effects of the smallest size that is stated where nothing is hidden.
+//! What is said to be found is found: effects of hardly the smallest size that is stated where nothing is hidden.
 
 use crate::common;
 
@@ -10,13 +10,13 @@ fn found(name: &str, set: &[(&str, &str)]) -> Diagnosis {
 }
 
 #[test]
-fn every_effect_of_its_stated_size_is_found() {
+fn every_effect_of_nearly_its_stated_size_is_found() {
     let nothing = found("nothing-hidden", &[]);
     assert_eq!(nothing.verdict, Verdict::None, "{:?}", nothing.effects);
-    // 39 in 40 are found, as far as columns tell (seen of the scale, a tenth below: 7 of 8 draws of the noise). So one draw may
-    // miss it, but then two others don't.
+    // 39 in 40 are found at it, nine in ten at a tenth less (seen of the scale there: 7 of 8 draws of the noise). So one draw may
+    // miss it, but then two others don't: all but one in fifty.
     for (name, off) in [("camera.roll", 0.0), ("camera.scale", 1.0), ("plant.k_tau", 1.0)] {
-        let size = nothing.minimum_detectable[name];
+        let size = 0.91 * nothing.minimum_detectable[name];
         let value = (off + size).to_string();
         let shown = |draw: &[(&str, &str)]| {
             let found = found("a-little-more", &[&[(name, value.as_str())], draw].concat());

@@ -5,16 +5,14 @@
 pub struct FileMask(Option<u32>);
 
 impl FileMask {
-    /// As it is. Read where the system shows it, on Linux: asking for it would change it for a moment.
+    /// As it is.
     pub fn now() -> Self {
-        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let mask = status.lines().find_map(|line| line.strip_prefix("Umask:"));
-        Self(mask.and_then(|mask| u32::from_str_radix(mask.trim(), 8).ok()))
+        Self(read())
     }
 
     /// Puts it back; whether it was another one.
     pub fn put_back(&self) -> bool {
-        let (Some(before), Some(now)) = (self.0, Self::now().0) else { return false };
+        let (Some(before), Some(now)) = (self.0, read()) else { return false };
         #[cfg(unix)]
         if now != before {
             // SAFETY: takes and gives plain numbers.
@@ -27,5 +25,42 @@ impl FileMask {
 impl Drop for FileMask {
     fn drop(&mut self) {
         self.put_back();
+    }
+}
+
+/// The mask now. Read where the system shows it, on Linux: asking for it would change it for a moment.
+fn read() -> Option<u32> {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("Umask:"))?;
+    u32::from_str_radix(mask.trim(), 8).ok()
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::{FileMask, read};
+
+    #[test]
+    fn law_the_mask_is_put_back_when_asked_and_when_dropped() {
+        // a process of its own: files that other tests make meanwhile would get other permissions
+        const CHILD: &str = "ORCHESTRATOR_FILE_MASK";
+        if std::env::var_os(CHILD).is_none() {
+            let name = std::thread::current().name().map(str::to_owned).expect("that of the test");
+            let mut again = std::process::Command::new(std::env::current_exe().expect("this program"));
+            let done = again.args(["--exact", &name]).env(CHILD, "1").output().expect("starts");
+            assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stdout));
+            return;
+        }
+        let before = read();
+        let set = |mask: u32| {
+            // SAFETY: takes and gives plain numbers.
+            unsafe { libc::umask(mask as libc::mode_t) };
+        };
+        let mask = FileMask::now();
+        assert!(!mask.put_back(), "nobody changed it");
+        set(0o777);
+        assert!(mask.put_back() && read() == before);
+        set(0o777);
+        drop(mask);
+        assert_eq!(read(), before);
     }
 }

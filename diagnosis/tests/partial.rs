@@ -137,3 +137,17 @@ fn every_row_in_which_the_tip_is_taken_for_circle_1_is_put_aside() {
     let found = found(&folder);
     assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.unknown);
 }
+
+#[test]
+fn recovers_an_actuators_lag_that_images_alone_show() {
+    // to images it is a delay, nearly; an exposure of 0.2, whose middle comes as late, blurs them: it loses 50 and more where it is compared
+    // with the camera's delay, and that loses 10 against the lag
+    let lively = common::recorded_along("lag-seen", common::LIVELY, &[("plant.T_act", "0.003")]);
+    for run in RUNS {
+        std::fs::remove_file(lively.path().join(run).join("plant.csv")).expect("it was recorded");
+    }
+    let found = found(&lively);
+    assert_eq!((found.verdict, names(&found)), (Verdict::Named, vec!["plant.T_act"]), "{:?}", found.effects);
+    // some eight standard errors
+    assert!((found.effects[0].value - 0.003).abs() < 1e-4, "{:?}", found.effects);
+}

@@ -146,7 +146,7 @@ fn rewritten(folder: &Folder, file: &str, line: &dyn Fn(usize, f64, &str) -> Opt
 
 #[test]
 fn recovers_a_late_picture_beside_a_log_of_another_clock() {
-    let folder = common::recorded_along("another", LIVELY, &[("camera.T_delay", "0.02")]);
+    let folder = common::recorded_along("another", common::LIVELY, &[("camera.T_delay", "0.02")]);
     rewritten(&folder, "plant.csv", &|_, time, rest| Some(format!("{},{rest}", time + 1.7e9)));
     let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
     // the torque, stamped as pictures are, knows the log's clock to about 1e-4 s
@@ -227,7 +227,7 @@ fn recovers_whether_an_actuator_lags_or_a_log_is_late() {
 fn recovers_whether_an_actuator_lags_or_delays_where_its_torque_is_logged_often() {
     // to the arm both are the same: 5e-7 rad apart
     for name in ["plant.T_act", "plant.tau_delay"] {
-        let folder = common::logged_along(name, LIVELY, &[(name, "0.0014")], true);
+        let folder = common::logged_along(name, common::LIVELY, &[(name, "0.0014")], true);
         let found = diagnose(folder.path(), &common::units(), &common::options(), &mut |_| {});
         // 24 s, 720 commands of some 0.1 N·m: a standard error of 1e-5 s
         named(&found.expect("the data is good"), name, 0.0014, 6e-5);
@@ -260,14 +260,10 @@ fn recovers_that_clocks_drift_apart() {
     assert!(rest.signal.contains("timestamps") && rest.shape.contains("drift"), "{rest:?}");
 }
 
-/// Steps of z_desired.
-const LIVELY: &str = "[[0, 0], [1, 0], [1.5, 0.3], [3, 0.3], [3.5, -0.2], [5, -0.2], [5.5, 0.3], [7, 0.3], [7.5, -0.2], [9, -0.2], \
-                      [9.5, 0.3], [12, 0.3]]";
-
 /// What is said of runs in which nothing is hidden, but plant logs are stamped otherwise than they were taken (run, s), and read
 /// angles with so much noise besides (rad).
 fn logged(name: &str, noise: f64, stamp: &dyn Fn(usize, f64) -> f64) -> Diagnosis {
-    let folder = common::recorded_along(name, LIVELY, &[]);
+    let folder = common::recorded_along(name, common::LIVELY, &[]);
     let known = std::fs::read_to_string(folder.path().join("dataset.toml")).expect("it was recorded");
     folder.put("dataset.toml", &known.replace("2e-4", &format!("{:e}", noise.hypot(2e-4))));
     let mut random = Random::new(7);

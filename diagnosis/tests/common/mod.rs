@@ -60,6 +60,10 @@ pub fn manifest(runs: usize) -> String {
     text
 }
 
+/// Steps of z_desired.
+pub const LIVELY: &str = "[[0, 0], [1, 0], [1.5, 0.3], [3, 0.3], [3.5, -0.2], [5, -0.2], [5.5, 0.3], [7, 0.3], [7.5, -0.2], [9, -0.2], \
+                      [9.5, 0.3], [12, 0.3]]";
+
 /// Runs visual-servo with `set` and writes what encoders (2e-4 rad) and the camera saw, two runs of 12 s from
 /// different starts.
 pub fn recorded(name: &str, set: &[(&str, &str)]) -> Folder {

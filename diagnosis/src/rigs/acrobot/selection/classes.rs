@@ -3,8 +3,10 @@
 //! Nothing here is a table of look-alikes. A candidate belongs to the class of an effect when the data, with
 //! everything else fitted again, can't tell the two: their difference in deviance is what noise does.
 
+mod through_delay;
+
 use super::Step;
-use super::column_loss::{Replaced, linear_loss, predicted_loss, tolerance};
+use super::column_loss::{Replaced, allowed_loss, linear_loss, predicted_loss, tolerance};
 use super::evaluation::Evaluation;
 use super::refit::{own_fit, refit, refit_towards, settled};
 use super::start_points::starts;
@@ -124,7 +126,9 @@ fn weigh_others(
         let linear = linear_loss(last, &own.others, effect, index, candidates);
         let Some(strength) = own.near(index, linear.as_ref()) else { continue };
         if let Some(replaced) = linear.filter(|_| by_columns(cut, candidates, effect, index)) {
-            all.push((index, replaced.x, own.loss_by_columns(cut, index, &replaced, strength)));
+            let loss = own.loss_by_columns(cut, index, &replaced, strength);
+            let through = if loss <= CLASS * own.temper { own.loss_through_delay(cut, index)? } else { None };
+            all.push((index, replaced.x, through.map_or(loss, |through| loss.max(through))));
             continue;
         }
         let without = match &mut without {
@@ -171,10 +175,7 @@ impl OwnFit<'_> {
     fn loss_by_columns(&self, cut: &mut Tracked, index: usize, replaced: &Replaced, strength: f64) -> f64 {
         let bent = self.candidates[self.effect].nonlinear || self.candidates[index].nonlinear;
         let tolerance = tolerance(self.last, &self.offsets, &self.others, replaced.own, replaced.other);
-        let allowed = |loss: f64| {
-            let blur = if bent { SELECTION.blur * SELECTION.blur * loss.max(0.0) } else { 0.0 };
-            loss / (1.0 + tolerance + SELECTION.column * SELECTION.column * strength + blur)
-        };
+        let allowed = |loss: f64| allowed_loss(loss, tolerance, strength, bent);
         let loss = allowed(replaced.loss);
         // a column over another step than the one it asks for says nothing of what is nonlinear in its size
         let blurs = blurs(&self.candidates[index]);
@@ -196,6 +197,12 @@ impl OwnFit<'_> {
 
     /// Fits another through the units: candidate, coordinate and loss.
     fn fit_instead(&self, cut: &mut Tracked, index: usize) -> Result<Option<(usize, f64, f64)>, Error> {
+        let fitted = self.fitted_instead(cut, index)?;
+        Ok(fitted.map(|(fit, loss)| (index, fit.point[index], loss)))
+    }
+
+    /// The fit of another in the place of the effect, and its loss; nothing where it comes out at none.
+    fn fitted_instead(&self, cut: &mut Tracked, index: usize) -> Result<Option<(Evaluation, f64)>, Error> {
         let candidate = &self.candidates[index];
         cut.restore(&self.nuisances);
         let mut set = self.others.clone();
@@ -218,7 +225,8 @@ impl OwnFit<'_> {
             true => Evaluation::chord(cut, &fit.point, &[]).map_or(0.0, |_| self.lost(cut)),
             false => 0.0,
         };
-        Ok(Some((index, fit.point[index], fit.deviance() - self.deviance + lost)))
+        let loss = fit.deviance() - self.deviance + lost;
+        Ok(Some((fit, loss)))
     }
 }
 

@@ -78,6 +78,13 @@ pub(super) fn tolerance(
     if length > 0.0 { off.norm_squared() / length } else { 0.0 }
 }
 
+/// A loss by columns of the image, less what is not known of these: what right renderers differ by, in variances of the noise, a share of all that
+/// the effect explains, and a larger one of what tells a blur (`bent`) from a delay.
+pub fn allowed_loss(loss: f64, tolerance: f64, strength: f64, bent: bool) -> f64 {
+    let blur = if bent { SELECTION.blur * SELECTION.blur * loss.max(0.0) } else { 0.0 };
+    loss / (1.0 + tolerance + SELECTION.column * SELECTION.column * strength + blur)
+}
+
 /// The linear loss of a replacement (negative where the other is better), and the value that the other would take: the
 /// best of its columns.
 pub(super) fn linear_loss(

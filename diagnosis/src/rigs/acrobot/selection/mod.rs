@@ -25,6 +25,7 @@ mod value_steps;
 mod without_effect;
 
 pub use classes::{Alternative, CLASS, HOPELESS, Questioned, alternatives};
+pub use column_loss::allowed_loss;
 pub use evaluation::{Evaluation, all_perturbations, discrepancies};
 pub use evidence::{discrepancy, lacking};
 pub use folds::Folds;

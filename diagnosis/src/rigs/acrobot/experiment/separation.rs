@@ -23,6 +23,7 @@ use crate::rigs::acrobot::dataset::Run;
 use crate::rigs::acrobot::experiment::policy::DESIGN;
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Perturbation;
+use crate::rigs::acrobot::selection::allowed_loss;
 use crate::statistics::linear::{solve, submatrix};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -178,8 +179,20 @@ impl<'a> Bench<'a> {
             _ => wanted,
         }
         .clamp(range.0.min(0.0), range.1.max(0.0));
-        (size * size * aa - 2.0 * within * size * ab + within * within * bb).max(0.0)
+        let loss = (size * size * aa - 2.0 * within * size * ab + within * within * bb).max(0.0);
+        let pair = [a, b].map(|place| &self.list[self.question.members[place].candidate]);
+        allowed(loss, size * size * aa, pair)
     }
+}
+
+/// What a diagnosis will believe of a loss, where images tell a pair apart: it compares these by columns, and no more is known of them in data that
+/// are still to be made.
+fn allowed(loss: f64, strength: f64, pair: [&Candidate; 2]) -> f64 {
+    let smooth = |one: &Candidate| !one.is_discrete() && !matches!(one.motion, Motion::Saturation { .. });
+    let pictured = |one: &Candidate| one.side == Side::Camera && !one.is(Attribute::ImageDelay);
+    let by_columns = pair.into_iter().all(smooth) && pair.into_iter().any(pictured);
+    let bent = pair.into_iter().any(|one| one.nonlinear);
+    if by_columns { allowed_loss(loss, 0.0, strength, bent) } else { loss }
 }
 
 /// The members' part of a Gram matrix with the other effects projected out.
@@ -198,4 +211,24 @@ fn cleaned(gram: &DMatrix<f64>, members: usize, nuisances: &[usize]) -> DMatrix<
         }
     }
     left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::selection::examples::candidate;
+
+    #[test]
+    fn value_a_promise_is_what_a_diagnosis_of_images_will_believe() {
+        let [lens, exposure, joint] = [(Side::Camera, false), (Side::Camera, true), (Side::Plant, false)]
+            .map(|(side, nonlinear)| candidate(side, nonlinear));
+        let delay = Candidate { attributes: &[Attribute::ImageDelay], ..lens.clone() };
+        let passes = Candidate { motion: Motion::Switch, ..lens.clone() };
+        let of = |a: &Candidate, b: &Candidate| allowed(100.0, 1.6e5, [a, b]);
+        // 0.2 of what tells a blur from a delay, and 0.0025 of 400 standard deviations is one
+        assert!((of(&delay, &exposure) - 100.0 / 6.0).abs() < 1e-9);
+        assert!((of(&lens, &lens) - 50.0).abs() < 1e-9 && of(&joint, &lens) == of(&lens, &lens));
+        // rows of a log are no columns of an image, and whole numbers are fitted
+        assert_eq!([of(&joint, &joint), of(&joint, &delay), of(&passes, &lens)], [100.0; 3]);
+    }
 }

@@ -53,6 +53,7 @@ mod report_graphs;
 mod report_page;
 mod search;
 mod statistics;
+mod step_budget;
 mod text;
 mod watch;
 mod write;

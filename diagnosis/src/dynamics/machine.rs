@@ -5,6 +5,7 @@ use super::port_parameters::port_parameters;
 use crate::error::Error;
 use crate::observe::{self, Affine, InputEffect, Nominal, OutputEffect, Problem, Scale, Series, VariableId};
 use crate::statistics::levels::FINE;
+use crate::step_budget::StepBudget;
 use orchestrator::fmu::Causality;
 use orchestrator::scenario::Transform;
 use orchestrator::{Fmu, Kind, Value};
@@ -156,6 +157,8 @@ pub struct Machine {
     pub first_step: f64,
     /// From then on no step is made.
     pub deadline: Option<Instant>,
+    /// And how many may be made until then.
+    pub(crate) budget: Option<StepBudget>,
 }
 
 impl Machine {
@@ -189,6 +192,7 @@ impl Machine {
             reading: problem.reading,
             first_step: 0.0,
             deadline: problem.deadline,
+            budget: problem.budget.clone(),
         };
         let at_ports = port_parameters(&machine, problem);
         machine.parameters.extend(at_ports);

@@ -347,6 +347,9 @@ impl Worker {
             return Err(Error::TooSlow);
         }
         self.steps += 1;
+        if machine.budget.as_ref().is_some_and(|budget| !budget.take()) {
+            return Err(Error::TooSlow);
+        }
         for place in 0..self.instances.len() {
             if !machine.links.is_empty() {
                 self.carry(machine, Some(place))?;

@@ -7,6 +7,7 @@ use crate::check::lines;
 use crate::observe::{Ports, Problem, Run};
 use crate::options::Options;
 use crate::statistics::levels::{CERTAIN, FEW, SAMPLE};
+use crate::step_budget::StepBudget;
 use crate::watch::{Doing, Watch};
 
 /// Whether the logs are likelier with these inputs along lines; nothing where they don't tell, or where the model can't be followed.
@@ -16,16 +17,19 @@ pub(crate) fn likelier_lines(problem: &Problem) -> Option<bool> {
     let held = Problem { ports, ..problem.clone() };
     let along = lines(&held)?.problem;
     // a few rows tell most, and a search in many takes long
-    [1, FEW].into_iter().find_map(|stretches| likelier(&held, &along, stretches * GENERAL.stretch))
+    let mut asked = [1, FEW].map(|stretches| stretches * GENERAL.stretch).into_iter();
+    asked.find_map(|rows| likelier((&held, &along), rows, GENERAL.glanced_steps))
 }
 
-/// Whether the other reading is likelier, by so many rows; nothing where they don't tell.
-fn likelier(one: &Problem, other: &Problem, rows: usize) -> Option<bool> {
+/// Whether the other reading is likelier, by so many rows; nothing where they don't tell, or where a search takes more steps than these.
+fn likelier((one, other): (&Problem, &Problem), rows: usize, steps: u64) -> Option<bool> {
     let (options, mut nobody) = (Options::default(), |_: &Doing<'_>| {});
     let watch = &mut Watch::new(&mut nobody, one.deadline);
     let mut deviance = |problem: &Problem| {
+        let budget = StepBudget::new(steps);
+        let problem = &Problem { budget: Some(budget.clone()), ..problem.clone() };
         let found = studied(problem, &begins(problem, rows), &options, None, false, watch).ok()?;
-        (!watch.is_over("reading the logs otherwise")).then_some(found.fit.deviance)
+        (!budget.is_spent() && !watch.is_over("reading the logs otherwise")).then_some(found.fit.deviance)
     };
     let (one, other) = (deviance(one)?, deviance(other)?);
     ((one - other).abs() > CERTAIN * CERTAIN).then_some(other < one)
@@ -43,6 +47,17 @@ fn begins(problem: &Problem, rows: usize) -> Vec<(&Run, (f64, f64))> {
 mod tests {
     use super::*;
     use crate::dynamics::tests::pendulum;
+
+    #[test]
+    fn value_a_search_ends_by_its_steps_and_not_by_the_clock() {
+        // an input that is ten times as large in the other reading
+        let one = pendulum("likelier", 100);
+        let mut other = one.clone();
+        other.runs[0].series[0].values.iter_mut().for_each(|value| *value *= 10.0);
+        let told = |steps: u64| likelier((&one, &other), 100, steps);
+        assert_eq!(told(GENERAL.glanced_steps), Some(false));
+        assert_eq!(told(1000), None, "a hundred rows of four states take more");
+    }
 
     #[test]
     fn value_each_run_has_thirty_rows_or_is_left_out() {

@@ -54,7 +54,7 @@ pub(super) struct Import {
     /// Real time, s, that each look at the unit may take (its first run, the stretches of the logs, its signs): then a diagnosis, which takes hundreds
     /// of such, has no chance, and the guesses that are left have to do.
     pub patience: f64,
-    /// The same where rows are so many steps apart: in the right unit a look takes a second. And of a search in a few rows.
+    /// The same where rows are so many steps apart: in the right unit a look takes a second.
     pub short_patience: f64,
     /// Rows with fewer cells than there are names are cut where they are at most this share; where more are, a logger leaves empty cells out.
     pub cut_rows: f64,

@@ -4,6 +4,7 @@ use super::Time;
 use super::policy::IMPORT;
 use super::sheet::Sheet;
 use crate::observe::shorter_unit;
+use crate::options::GIVEN_UP;
 use orchestrator::fmu::Description;
 use std::time::Duration;
 
@@ -44,9 +45,9 @@ impl Pace {
         Duration::from_secs_f64(seconds)
     }
 
-    /// Real time that a search in a few rows may take: one in a unit that is slow has no chance.
+    /// Real time that a search in a few rows may take: its steps are counted, and only one in a unit that is slow is ended by the clock.
     pub(super) fn patience_of_search() -> Duration {
-        Duration::from_secs_f64(IMPORT.short_patience)
+        Duration::from_secs_f64(GIVEN_UP)
     }
 
     /// What to ask of times in which rows are so far apart; nothing where they are not.

@@ -38,6 +38,7 @@ pub use unlogged::Unlogged;
 
 use crate::error::{Error, Notice};
 use crate::statistics::median::median;
+use crate::step_budget::StepBudget;
 use orchestrator::fmu::{Description, Variable};
 use orchestrator::{Fmu, Isolation, Scenario, UnitPath, Value};
 pub(crate) use resolve::shows_its_start;
@@ -67,6 +68,8 @@ pub struct Problem {
     pub reading: Reading,
     /// When a model that doesn't come to an end is given up.
     pub deadline: Option<Instant>,
+    /// How many steps its units may make.
+    pub(crate) budget: Option<StepBudget>,
     /// Outputs are computed in a step only: the unit makes a short one before a row is read.
     pub late: bool,
     /// Each run is simulated whole from its start: rows can't be begun anew from the states that can be set.

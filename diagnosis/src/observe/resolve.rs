@@ -48,6 +48,7 @@ pub(super) fn problem(
         runs,
         reading,
         deadline: None,
+        budget: None,
         late: false,
         whole: false,
         notices,

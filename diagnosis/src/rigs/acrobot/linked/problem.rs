@@ -70,6 +70,7 @@ pub(super) fn stretches(
         runs,
         reading: Reading::Before,
         deadline: None,
+        budget: None,
         late: false,
         whole: false,
         notices: Vec::new(),

@@ -18,7 +18,7 @@ pub(crate) fn likelier_lines(problem: &Problem) -> Option<bool> {
     let along = lines(&held)?.problem;
     // a few rows tell most, and a search in many takes long
     let mut asked = [1, FEW].map(|stretches| stretches * GENERAL.stretch).into_iter();
-    asked.find_map(|rows| likelier((&held, &along), rows, GENERAL.glanced_steps))
+    asked.find_map(|rows| likelier((&held, &along), rows, GENERAL.glanced_steps()))
 }
 
 /// Whether the other reading is likelier, by so many rows; nothing where they don't tell, or where a search takes more steps than these.
@@ -55,7 +55,7 @@ mod tests {
         let mut other = one.clone();
         other.runs[0].series[0].values.iter_mut().for_each(|value| *value *= 10.0);
         let told = |steps: u64| likelier((&one, &other), 100, steps);
-        assert_eq!(told(GENERAL.glanced_steps), Some(false));
+        assert_eq!(told(GENERAL.glanced_steps()), Some(false));
         assert_eq!(told(1000), None, "a hundred rows of four states take more");
     }
 

@@ -10,8 +10,6 @@ pub(super) struct General {
     pub searched: usize,
     /// Rows of a stretch: each begins at a state of its own, which takes a thirtieth of them.
     pub stretch: usize,
-    /// Steps of units in which a search in a few rows must come to its end, whatever the clock says: three times the most that 20 sets needed.
-    pub glanced_steps: u64,
     /// Of a single run the last share is left out.
     pub left_out: f64,
     /// Rows of a window at first; halved where a window can't be followed.
@@ -54,11 +52,17 @@ pub(super) struct General {
     pub finest: i64,
 }
 
+impl General {
+    /// Steps of units in which a search in a few rows must come to its end, whatever the clock says: twice the most that 20 sets needed.
+    pub(super) const fn glanced_steps(&self) -> u64 {
+        (MORE * FAR * FAR) as u64 * self.searched as u64
+    }
+}
+
 /// Those in force.
 pub(super) const GENERAL: General = General {
     searched: 200_000,
     stretch: SAMPLE * ROWS,
-    glanced_steps: 50_000_000,
     left_out: PART,
     window: 200,
     shortest_window: ROWS,

@@ -3,12 +3,15 @@
 use super::torque_shape::nearest;
 use super::{Found, Judgement};
 use crate::diagnosis::Unknown;
+use crate::error::Notice;
+use crate::rigs::acrobot::linked::Left;
+use crate::rigs::acrobot::linked::policy::LINKED;
 use crate::rigs::acrobot::simple_laws::ANGLES_OF_LOG;
 use crate::text::brief;
 
-/// Such readings, where nothing else has no name.
+/// Such readings, where nothing else has no name, and where they are more than the tail of the noise.
 pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
-    let lone = found.left.lone.as_ref().filter(|_| so_far.is_none());
+    let lone = found.left.lone.as_ref().filter(|lone| so_far.is_none() && lone.stand_out);
     let told = lone.map(|lone| {
         let (run, time) = lone.first;
         Unknown {
@@ -26,4 +29,14 @@ pub(super) fn doubt(found: &Found<'_>, so_far: Option<&Unknown>) -> Judgement {
         }
     });
     told.into()
+}
+
+/// Says that an encoder's noise has a heavy tail, where readings lie far off, and no more than it gives.
+pub fn heavy_tail(left: &Left) -> Option<Notice> {
+    let lone = left.lone.as_ref().filter(|lone| !lone.stand_out)?;
+    let message = format!(
+        "{} of {} readings of {} lie beyond {} standard deviations, as many as its noise leads one to expect, whose tail is heavier than a normal one's",
+        lone.count, lone.of, ANGLES_OF_LOG[lone.angle], LINKED.lone
+    );
+    Some(Notice { file: "plant.csv".into(), line: 0, message })
 }

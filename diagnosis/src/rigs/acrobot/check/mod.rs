@@ -33,6 +33,7 @@ use crate::rigs::acrobot::residual::image::Together;
 use crate::rigs::acrobot::selection::Study;
 pub use clock_drift::drifting;
 pub use image_shape::is_of_angles;
+pub use lone_readings::heavy_tail;
 pub use torque_shape::{link_of, torque_shape};
 
 /// What a cut shows.

@@ -2,7 +2,7 @@
 
 use super::policy::LINKED;
 use crate::infer::{Linearised, Noise};
-use crate::statistics::levels::{FEW, HALF, MIDDLE};
+use crate::statistics::levels::{FEW, HALF, MIDDLE, SEVERAL};
 use crate::statistics::median::median;
 
 /// Such readings of one angle.
@@ -17,28 +17,37 @@ pub struct LoneReadings {
     pub first: (usize, f64),
     /// How far off the farthest is, rad.
     pub farthest: f64,
+    /// They are more than the tail of the noise gives.
+    pub stand_out: bool,
 }
 
-/// Those of the angle that has most. `angles` are the channels of the angles.
+/// Those of the angle that has most, of angles whose readings stand out if there are such. `angles` are the channels of the angles.
 pub(super) fn lone_readings(
     runs: &[Linearised],
     noise: &Noise,
     angles: [Option<usize>; 2],
 ) -> Option<LoneReadings> {
     let of = |angle: usize| of_channel(runs, noise, angles[angle]?, angle);
-    (0..angles.len()).filter_map(of).max_by_key(|lone| lone.count)
+    (0..angles.len()).filter_map(of).max_by_key(|lone| (lone.stand_out, lone.count))
 }
 
 fn of_channel(runs: &[Linearised], noise: &Noise, channel: usize, angle: usize) -> Option<LoneReadings> {
     let own = |run: &Linearised| {
         let values = run.measured.iter().filter(|value| value.channel == channel && value.weight > 0.0);
-        values.map(|value| (value.time, value.residual, value.slope)).collect::<Vec<_>>()
+        let values: Vec<_> = values.map(|value| (value.time, value.residual, value.slope)).collect();
+        // noise of one run may be larger than that of another
+        let scale = median(values.iter().map(|(_, left, _)| left.abs())).filter(|left| *left > 0.0);
+        let scale = scale.map_or(1.0, |left| left / MIDDLE);
+        let in_scales = |(time, left, slope): (f64, f64, f64)| (time, left / scale, slope / scale);
+        (scale, values.into_iter().map(in_scales).collect::<Vec<_>>())
     };
-    let each: Vec<Vec<(f64, f64, f64)>> = runs.iter().map(own).collect();
-    let scale = median(each.iter().flatten().map(|(_, left, _)| left.abs()))? / MIDDLE;
+    let (scales, each): (Vec<f64>, Vec<Vec<(f64, f64, f64)>>) = runs.iter().map(own).unzip();
     let late = lateness(&each.concat()).max(noise.jitter);
-    let far = |(_, left, slope): &(f64, f64, f64)| left.abs() > LINKED.lone * scale.hypot(slope * late);
+    let size = |(_, left, slope): &(f64, f64, f64)| left.abs() / 1.0_f64.hypot(slope * late);
+    let far = |value: &(f64, f64, f64)| size(value) > LINKED.lone;
+    let sizes: Vec<f64> = each.iter().flatten().map(size).collect();
     let mut lone: Vec<(usize, f64, f64)> = Vec::new();
+    let mut lone_sizes = Vec::new();
     let mut all = 0;
     for (run, values) in each.iter().enumerate() {
         let is_far = |place: Option<usize>| place.and_then(|place| values.get(place)).is_some_and(far);
@@ -46,7 +55,8 @@ fn of_channel(runs: &[Linearised], noise: &Noise, channel: usize, angle: usize) 
             all += 1;
             let by_its_time = LINKED.uneven * (value.2 * unevenness(values, place)).abs();
             if !is_far(place.checked_sub(1)) && !is_far(Some(place + 1)) && value.1.abs() > by_its_time {
-                lone.push((run, value.0, value.1.abs()));
+                lone.push((run, value.0, scales[run] * value.1.abs()));
+                lone_sizes.push(size(value));
             }
         }
     }
@@ -58,7 +68,25 @@ fn of_channel(runs: &[Linearised], noise: &Noise, channel: usize, angle: usize) 
         of: each.iter().map(Vec::len).sum(),
         first: (run, time),
         farthest: lone.iter().map(|(.., left)| *left).fold(0.0, f64::max),
+        stand_out: stand_out(&lone_sizes, &sizes),
     })
+}
+
+/// Whether more lie far off, or far beyond that, than if all sizes went on falling off as from half of what is far to three quarters and from there
+/// to it: by the same factor each quarter, as noise of a double exponential (Laplace) does, and a normal one faster.
+fn stand_out(lone: &[f64], all: &[f64]) -> bool {
+    let above = |sizes: &[f64], quarters: i32| {
+        let limit = LINKED.lone * (1.0 + 0.25 * f64::from(quarters));
+        sizes.iter().filter(|size| **size > limit).count() as f64
+    };
+    let (before, last) = (above(all, -2) - above(all, -1), above(all, -1) - above(all, 0));
+    let falls = if last > 0.0 { last / before } else { 0.0 };
+    let is_more = |quarters: i32| {
+        let by_tail = last * falls.powi(quarters + 1) / (1.0 - falls);
+        let count = above(lone, quarters);
+        count >= FEW as f64 && count > by_tail + SEVERAL * by_tail.sqrt()
+    };
+    falls < 1.0 && (0..FEW as i32 * 4).any(is_more)
 }
 
 /// How far a row's time lies from the middle of its neighbours', s.
@@ -106,6 +134,7 @@ mod tests {
             (seen.angle, seen.count, seen.of, seen.first, seen.farthest),
             (1, 3, 2000, (0, 100.0), 16.0)
         );
+        assert!(seen.stand_out, "{seen:?}");
         // where an angle moves, noise may be timestamps' scatter: readings that are as far off beside it aren't
         let seen = |by: f64| found(&[(100, by), (700, by), (1500, by)], 4.0).is_some();
         assert_eq!([7.0, 12.0].map(seen), [false, true]);
@@ -113,6 +142,22 @@ mod tests {
         let while_long: Vec<(usize, f64)> =
             (100..120).chain([700, 900, 1100]).map(|row| (row, 16.0)).collect();
         assert_eq!(found(&while_long, 0.0), None);
+    }
+
+    #[test]
+    fn value_what_the_tail_of_noise_gives_does_not_stand_out() {
+        let mut random = Random::new(2);
+        // a double exponential: of 2000 four lie beyond six robust standard deviations, seven of these, and its tail says eight
+        let mut laplace = || -libm::log(random.uniform()) * random.sign();
+        let rows: Vec<(usize, f64)> = (0..2000).map(|row| (row, laplace())).collect();
+        let seen = found(&rows, 0.0).expect("seven");
+        assert!(!seen.stand_out, "{seen:?}");
+        // three that are ten times as far off as the tail reaches are no part of it
+        let more = [100, 300, 500].map(|row| (row, 80.0));
+        let seen = found(&[rows, more.to_vec()].concat(), 0.0).expect("ten");
+        assert!(seen.stand_out, "{seen:?}");
+        // where nothing falls off there is no end of it, and where nothing comes near there is no tail
+        assert!(!stand_out(&[7.0; 9], &[4.0, 5.0, 5.5]) && stand_out(&[7.0; 3], &[0.5, 1.0]));
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::error::{Error, Notice};
 use crate::overlay::Overlaid;
 use crate::provenance::Provenance;
 use crate::rigs::acrobot::candidates::{Candidate, Side};
-use crate::rigs::acrobot::check::{Found, Judged, drifting, is_of_angles, judged, torque_shape};
+use crate::rigs::acrobot::check::{Found, Judged, drifting, heavy_tail, is_of_angles, judged, torque_shape};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::gap::Measure;
 use crate::rigs::acrobot::linked::{Left, left_of, poses_as_log};
@@ -99,6 +99,7 @@ impl Conclusion {
         self.measures.push(measure);
         let torque = measure == Measure::Torques;
         let left = left(logs.rig, part, watch);
+        self.notices.extend(heavy_tail(&left));
         let judged = judged(&Found {
             left: &left,
             study: &part.study,

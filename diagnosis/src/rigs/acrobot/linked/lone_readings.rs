@@ -21,6 +21,9 @@ pub struct LoneReadings {
     pub stand_out: bool,
 }
 
+/// Time, residual and slope of each value of a run.
+type Values = Vec<(f64, f64, f64)>;
+
 /// Those of the angle that has most, of angles whose readings stand out if there are such. `angles` are the channels of the angles.
 pub(super) fn lone_readings(
     runs: &[Linearised],
@@ -34,14 +37,14 @@ pub(super) fn lone_readings(
 fn of_channel(runs: &[Linearised], noise: &Noise, channel: usize, angle: usize) -> Option<LoneReadings> {
     let own = |run: &Linearised| {
         let values = run.measured.iter().filter(|value| value.channel == channel && value.weight > 0.0);
-        let values: Vec<_> = values.map(|value| (value.time, value.residual, value.slope)).collect();
+        let values: Values = values.map(|value| (value.time, value.residual, value.slope)).collect();
         // noise of one run may be larger than that of another
         let scale = median(values.iter().map(|(_, left, _)| left.abs())).filter(|left| *left > 0.0);
         let scale = scale.map_or(1.0, |left| left / MIDDLE);
         let in_scales = |(time, left, slope): (f64, f64, f64)| (time, left / scale, slope / scale);
-        (scale, values.into_iter().map(in_scales).collect::<Vec<_>>())
+        (scale, values.into_iter().map(in_scales).collect::<Values>())
     };
-    let (scales, each): (Vec<f64>, Vec<Vec<(f64, f64, f64)>>) = runs.iter().map(own).unzip();
+    let (scales, each): (Vec<f64>, Vec<Values>) = runs.iter().map(own).unzip();
     let late = lateness(&each.concat()).max(noise.jitter);
     let size = |(_, left, slope): &(f64, f64, f64)| left.abs() / 1.0_f64.hypot(slope * late);
     let far = |value: &(f64, f64, f64)| size(value) > LINKED.lone;

@@ -14,7 +14,7 @@ use crate::infer::fit::{At, Options as FitOptions, fit};
 use crate::observe::{Problem, Run};
 use crate::options::Options;
 use crate::search::class::Alternative;
-use crate::statistics::levels::MORE;
+use crate::statistics::levels::{FAR, MORE};
 use crate::watch::Watch;
 
 /// One stretch of a run.
@@ -39,19 +39,44 @@ pub fn stretches<'a>(
     if problem.whole || machine.states.is_empty() || !options.fit.is_empty() {
         return Ok(None);
     }
-    let counts: Vec<usize> = rows.iter().map(|(run, span)| counted(&machine, run, *span)).collect();
-    let (all, most) = (counts.iter().sum::<usize>(), most(machine.parameters.len()));
-    if !is_long(all, most) {
-        return Ok(None);
+    Ok(spread(&machine, rows, most(machine.parameters.len()), GENERAL.stretch))
+}
+
+/// The rows that are fitted, where they are so many that neither memory nor time would do for all, and what to say of that.
+///
+/// # Errors
+/// No state can be linked.
+pub fn thinned<'a>(problem: &Problem, rows: Rows<'a>) -> Result<(Rows<'a>, Option<Notice>), Error> {
+    let machine = Machine::new(problem)?;
+    let most = GENERAL.fitted() / machine.parameters.len().max(1);
+    // a start state of its own takes next to nothing of so long a stretch
+    let taken =
+        if problem.whole { None } else { spread(&machine, &rows, most, FAR as usize * GENERAL.stretch) };
+    let Some(taken) = taken else { return Ok((rows, None)) };
+    let count = |rows: &Rows<'_>| rows.iter().map(|(run, span)| counted(&machine, run, *span)).sum::<usize>();
+    let message = format!(
+        "of {} rows {} in {} stretches, evenly spread, are fitted: what more would tell grows with the root of their number only",
+        count(&rows),
+        count(&taken),
+        taken.len()
+    );
+    Ok((taken, Some(Notice { file: "dataset.toml".into(), line: 0, message })))
+}
+
+/// About `most` of the rows in stretches of so many, evenly spread; nothing where they are not more than that.
+fn spread<'a>(machine: &Machine, rows: &Rows<'a>, most: usize, length: usize) -> Option<Rows<'a>> {
+    let counts: Vec<usize> = rows.iter().map(|(run, span)| counted(machine, run, *span)).collect();
+    if !is_long(counts.iter().sum(), most) {
+        return None;
     }
     let mut list = Vec::new();
     for (run, ((_, (from, to)), rows)) in rows.iter().zip(&counts).enumerate() {
-        let parts = parts(*rows);
+        let parts = parts(*rows, length);
         let at = |part: usize| from + (to - from) * part as f64 / parts as f64;
         list.extend((0..parts).map(|place| Stretch { run, place, span: (at(place), at(place + 1)) }));
     }
-    let joined = joined(&spread_evenly(&list, (most / GENERAL.stretch).max(rows.len())));
-    Ok(Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect()))
+    let joined = joined(&spread_evenly(&list, (most / length).max(rows.len())));
+    Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect())
 }
 
 /// Rows that are searched at once, with so many parameters.
@@ -64,9 +89,9 @@ fn is_long(rows: usize, most: usize) -> bool {
     rows as f64 > MORE * most as f64
 }
 
-/// Stretches of a run of so many rows.
-fn parts(rows: usize) -> usize {
-    (rows / GENERAL.stretch).max(1)
+/// Stretches of a run of so many rows, each of so many.
+fn parts(rows: usize, length: usize) -> usize {
+    (rows / length).max(1)
 }
 
 /// Rows of a run between two times.
@@ -106,19 +131,32 @@ pub fn search(
     before: (&Studied, &Trails),
     watch: &mut Watch<'_>,
 ) -> Result<Studied, Error> {
-    let all = problem.whole_runs();
-    let Some(part) = stretches(problem, &all, options)? else {
-        return studied(problem, &all, options, Some(before), true, watch);
+    let (all, notice) = thinned(problem, problem.whole_runs())?;
+    let mut found = search_first_in_stretches(problem, &all, options, before, watch)?;
+    found.built.notices.extend(notice);
+    Ok(found)
+}
+
+/// Searches in these rows, after stretches of them where they are many.
+fn search_first_in_stretches(
+    problem: &Problem,
+    all: &Rows<'_>,
+    options: &Options,
+    before: (&Studied, &Trails),
+    watch: &mut Watch<'_>,
+) -> Result<Studied, Error> {
+    let Some(part) = stretches(problem, all, options)? else {
+        return studied(problem, all, options, Some(before), true, watch);
     };
     watch.stage("searching in stretches of the logs");
     let found = studied(problem, &part, options, Some(before), true, watch)?;
     let goes_on = found.residual.unlisted.is_none() && !watch.is_over("the search in all rows");
     let mut over = if goes_on {
         watch.stage("searching in all rows from what was found");
-        studied(problem, &all, options, Some((&found, before.1)), true, watch)?
+        studied(problem, all, options, Some((&found, before.1)), true, watch)?
     } else {
         watch.stage("fitting what was found to all rows");
-        over(problem, &all, found, before.1)?
+        over(problem, all, found, before.1)?
     };
     over.built.notices.push(describe_stretches(&over, &part, goes_on));
     Ok(over)
@@ -164,6 +202,7 @@ fn describe_stretches(over: &Studied, part: &Rows<'_>, goes_on: bool) -> Notice 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::tests::pendulum;
 
     fn list(count: usize) -> Vec<Stretch> {
         let one = |place: usize| Stretch { run: 0, place, span: (place as f64, place as f64 + 1.0) };
@@ -195,7 +234,30 @@ mod tests {
         let is_long = |rows: usize| is_long(rows, most(50));
         assert!(!is_long(5_500) && is_long(6_500) && is_long(12_000));
         // a start state takes a thirtieth of a stretch: twelve rows' worth
-        assert_eq!([300, 650, 790, 3_800].map(parts), [1, 1, 2, 10]);
+        assert_eq!([300, 650, 790, 3_800].map(|rows| parts(rows, GENERAL.stretch)), [1, 1, 2, 10]);
+    }
+
+    #[test]
+    fn value_which_logs_are_fitted_as_a_whole() {
+        // with fifty parameters: a minute at a kilohertz is fitted, and of four as much as that
+        let mut problem = pendulum("thinned", 20);
+        let parameters = Machine::new(&problem).expect("it is linked").parameters.len();
+        let mut rows = |rows: usize| {
+            let times = || (0..rows).map(|row| row as f64 * 0.01);
+            for series in &mut problem.runs[0].series {
+                series.time = times().collect();
+                series.values = vec![0.0; rows];
+            }
+            let (taken, notice) = thinned(&problem, problem.whole_runs()).expect("it is linked");
+            let counted =
+                taken.iter().map(|(_, (from, to))| ((to - from) / 0.01).round() as usize).sum::<usize>();
+            (counted * parameters / 1_000_000, taken.len(), notice.is_some())
+        };
+        let most = GENERAL.fitted() / parameters;
+        // in millions of rows times parameters
+        assert_eq!(rows(most * 14 / 10), (2, 1, false));
+        let (fitted, stretches, is_told) = rows(most * 4);
+        assert!((1..=2).contains(&fitted) && stretches > 5 && is_told, "{fitted} in {stretches}");
     }
 
     #[test]

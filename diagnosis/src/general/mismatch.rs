@@ -2,6 +2,7 @@
 //! The same windows give the page its courses of measured, nominal and amended.
 
 use super::courses::courses;
+use super::long::thinned;
 use super::study::Studied;
 use super::windows::{Model, Window, windows};
 use crate::diagnosis::{Gap, Unknown, Where};
@@ -43,7 +44,8 @@ pub fn held_out(
 ) -> Result<HeldOut, Error> {
     // in the way that was searched: rows left out alone may hold nothing that a unit without states remembers
     let searched = Problem { whole: trained.built.engine.machine.whole, ..problem.clone() };
-    let mut built = build(&searched, left)?;
+    let (rows, _) = thinned(&searched, left.to_vec())?;
+    let mut built = build(&searched, &rows)?;
     let neutral = built.engine.machine.neutral();
     let paths = built.engine.first_paths(&neutral, &built.noise)?;
     let runs = built.engine.chords(&neutral, &paths, &[])?;

@@ -8,3 +8,4 @@ pub mod median;
 pub mod normal;
 pub mod products;
 pub mod random;
+pub mod squares;

@@ -5,6 +5,7 @@ use crate::rigs::acrobot::candidates::{Attribute, Candidate, Side};
 use crate::rigs::acrobot::selection::Evaluation;
 use crate::statistics::levels::{HALF, PART, ROUNDING};
 use crate::statistics::linear::{Cell, Projected, projected};
+use crate::statistics::squares;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -50,12 +51,10 @@ impl Swing {
         format!("swinging {:.2} times a second, as if {name} ({phrase}) did", self.hertz)
     }
 
-    /// The normal deviate that is as rare as such a gain of noise, of which a size and a phase a run have a χ² (Wilson, Hilferty,
-    /// Proc. Natl. Acad. Sci. 17 (1931) 684).
+    /// The normal deviate that is as rare as such a gain of noise, of which a size and a phase a run have a χ².
     pub(super) fn deviations(&self) -> f64 {
         let freedom = 2.0 * self.runs as f64;
-        let spread = 2.0 / (9.0 * freedom);
-        (libm::cbrt(self.gain / self.usual.max(freedom)) - (1.0 - spread)) / spread.sqrt()
+        squares::deviate(freedom * (self.gain / self.usual.max(freedom)), freedom)
     }
 }
 

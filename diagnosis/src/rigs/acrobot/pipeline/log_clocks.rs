@@ -10,6 +10,8 @@ use crate::rigs::acrobot::dataset::{DataSet, Run};
 use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::policy::POLICY;
 use crate::rigs::acrobot::selection::{Alternative, CLASS, steadiness};
+use crate::statistics::levels::CERTAIN;
+use crate::statistics::squares;
 
 /// The plant log's clock, s late, that explains what the image alone would have called a delay: logs of plant and torque know
 /// their clock to some ten microseconds only, an image its delay to some microseconds.
@@ -260,13 +262,32 @@ fn lateness_by_run(list: &[Candidate], compared: &Compared) -> Option<Vec<(usize
         [(&study.last, study.active.as_slice(), best), (&study.nominal, &[], gains.fold(0.0, f64::max))];
     evaluations.into_iter().find_map(|(evaluation, active, best)| {
         let clocks = steadiness(evaluation, clock, active)?;
-        let clear = clocks.apart > POLICY.runs_apart && clocks.decrease > best + POLICY.clock_behind;
+        // each run more wants a time of its own by chance, too
+        let more = clocks.runs.len().saturating_sub(1) as f64;
+        let clear = clocks.apart > runs_apart(more) && clocks.decrease - more > best + POLICY.clock_behind;
         clear.then(|| clocks.runs.iter().map(|(run, (late, _))| (*run, late - clocks.mean)).collect())
     })
+}
+
+/// Decrease of the deviance that times of their own of so many runs more than one must bring.
+fn runs_apart(more: f64) -> f64 {
+    POLICY.runs_apart.max(squares::as_rare_as(CERTAIN, more.max(1.0)))
 }
 
 /// The delay by which images come early, and by how much, s: below zero there is none.
 fn early_images(list: &[Candidate], point: &[f64]) -> Option<(usize, f64)> {
     let delay = place(list, ImageDelay).filter(|index| list[*index].side == Side::Camera)?;
     (point[delay] < 0.0).then(|| (delay, -point[delay]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_each_run_more_differs_by_chance_too() {
+        // of thirty runs 29 times of their own gain 29 by chance alone, and more than 77 once in 300 000
+        assert_eq!([0.0, 1.0, 2.0].map(runs_apart), [POLICY.runs_apart; 3]);
+        assert!((runs_apart(29.0) - 77.0).abs() < 0.5, "{}", runs_apart(29.0));
+    }
 }

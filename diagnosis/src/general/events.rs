@@ -29,13 +29,20 @@ pub fn events(courses: &[Course<'_>]) -> Option<String> {
         return None;
     }
     let alone = courses.len() == 1;
+    let rows = courses.iter().flat_map(|course| course.time.windows(2).map(|pair| pair[1] - pair[0]));
+    let decimals = decimals(median(rows).unwrap_or(1.0));
     let told = begins.iter().filter(|(_, begins)| !begins.is_empty()).map(|(run, begins)| {
         let many = if begins.len() == 1 { "1 event" } else { &format!("{} events", begins.len()) };
         let run = if alone { String::new() } else { format!(" in {run}") };
-        let times: Vec<String> = begins.iter().map(|time| format!("{time:.4}")).collect();
+        let times: Vec<String> = begins.iter().map(|time| format!("{time:.decimals$}")).collect();
         format!("{many}{run}, beginning at {} s", times.join(", "))
     });
     Some(format!("{}; quiet between", told.collect::<Vec<_>>().join("; ")))
+}
+
+/// Decimals that tell rows apart which lie so far from each other, s: four at least.
+fn decimals(row: f64) -> usize {
+    if row > 0.0 { (-libm::floor(libm::log10(row))).clamp(4.0, 15.0) as usize } else { 4 }
 }
 
 /// Times of the rows at which an event begins.
@@ -48,6 +55,11 @@ fn begins(course: &Course<'_>, stands_out: &dyn Fn(&f64) -> bool) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_times_of_rows_a_microsecond_apart_are_told_apart() {
+        assert_eq!([1e-6, 3e-6, 0.01, 300.0, 0.0].map(decimals), [6, 6, 4, 4, 4]);
+    }
 
     /// Bumps of three rows in a hundred, by the rows at which they begin and their sizes.
     fn told(runs: &[&[(usize, f64)]]) -> Option<String> {

@@ -12,7 +12,9 @@ use crate::observe::Problem;
 use crate::search::Policy;
 use crate::search::SEARCHING;
 use crate::search::trials::interval;
+use crate::statistics::levels::{HALF, PART};
 use crate::statistics::linear::solve;
+use crate::text::brief;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -187,6 +189,17 @@ fn waves(turned: f64) -> impl Iterator<Item = usize> {
     (1..=GENERAL.waves).filter(move |waves| *waves as f64 * turned > std::f64::consts::PI && turned < 1e3)
 }
 
+/// Where laws of a variable between these values begin, and what to say of that: where it hardly moves beside how large it is, as the pressure of the
+/// air, in the middle. There its powers about 0 are all the same.
+fn origin(low: f64, high: f64) -> (f64, String) {
+    let middle = HALF * (low + high);
+    if high - low < PART * middle.abs() {
+        (middle, format!(" about {}", brief(middle)))
+    } else {
+        (0.0, String::new())
+    }
+}
+
 fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
     let n = engine.machine.order();
     // name, values, and whether it may be an angle, which alone goes round
@@ -209,12 +222,15 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         engine.grids.iter().flat_map(|grid| grid.time.iter().map(|t| t - grid.origin)).collect();
     let mut list = Vec::new();
     for (name, values, is_angle) in &plain {
-        let size = values.iter().fold(0.0, |most: f64, v| most.max(v.abs())).max(1e-300);
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+        let (from, about) = origin(low, high);
+        let size = (high - from).abs().max((low - from).abs()).max(1e-300);
         let mut term = |words: &str, of: &dyn Fn(f64) -> f64| {
             list.push((
                 name.clone(),
-                format!("{words} {name}"),
-                vec![values.iter().map(|v| of(v / size)).collect::<Vec<f64>>()],
+                format!("{words} {name}{about}"),
+                vec![values.iter().map(|v| of((v - from) / size)).collect::<Vec<f64>>()],
             ));
         };
         term("linear in", &|v| v);
@@ -223,8 +239,6 @@ fn terms(engine: &Engine, studied: &Studied) -> Vec<Term> {
         term("cubic in", &|v| v * v * v);
         term("like the signed square of", &|v| v * v.abs());
         // an angle that turns through more than half a wave
-        let (low, high) =
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
         let turned = if *is_angle { high - low } else { 0.0 };
         for waves in waves(turned) {
             let wave =
@@ -291,7 +305,14 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
 
 #[cfg(test)]
 mod tests {
-    use super::{GENERAL, each_once, waves};
+    use super::{GENERAL, each_once, origin, waves};
+
+    #[test]
+    fn value_laws_of_what_hardly_moves_begin_in_its_middle() {
+        assert_eq!(origin(101_324.0, 101_326.0), (101_325.0, " about 101325".into()));
+        assert_eq!([origin(10.0, 14.0), origin(-1.0, 1.0)], [(0.0, String::new()), (0.0, String::new())]);
+        assert_eq!(origin(-12.0, -10.0).0, -11.0);
+    }
 
     #[test]
     fn every_variable_of_several_terms_is_told_once() {

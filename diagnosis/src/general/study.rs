@@ -89,7 +89,8 @@ fn diagnosed_in_time(
     let (misread, is_misread) =
         misread::misread(problem, (&trained, &all), unknown.is_some(), options, watch);
     let unknown = runs::shaped(problem, &all, options, unknown, watch)
-        .map(|unknown| misread::with_reading(unknown, &misread));
+        .map(|unknown| misread::with_reading(unknown, &misread))
+        .map(|unknown| as_far_as_searched(unknown, watch.ended()));
     let in_doubt =
         is_misread || unknown.is_some() || is_judged(&trained, &all) && held.squares.close_little();
     let effects = findings::effects(problem, &all, in_doubt);
@@ -122,6 +123,15 @@ fn diagnosed_in_time(
         traces: Vec::new(),
         channels: held.channels,
     })
+}
+
+/// What has no name, where time was up before all that is listed was tried: it may have one.
+fn as_far_as_searched(unknown: Unknown, ended: &[String]) -> Unknown {
+    if ended.is_empty() {
+        return unknown;
+    }
+    let shape = format!("as far as the search came before time was up: {}", unknown.shape);
+    Unknown { shape, ..unknown }
 }
 
 /// What a search left without a name: in the machine, or in what a sensor shows.

@@ -238,6 +238,7 @@ pub fn fit_from(
         }
         match model.linearise(&to.theta, &to.paths, free) {
             Ok(there) => (at, runs) = (to, there),
+            Err(Error::TooSlow) => return Err(Error::TooSlow),
             Err(_) => {
                 // the model can't be followed where the data lead: from the best place with more damping, or not at all
                 damping.fail();

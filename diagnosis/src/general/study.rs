@@ -238,7 +238,7 @@ pub(super) fn search_without_left_out(
     watch: &mut Watch<'_>,
 ) -> Result<Studied, Error> {
     watch.stage("searching without the rows left out");
-    let (kept, _) = parted(problem);
+    let (kept, _) = long::thinned(problem, parted(problem).0)?;
     let part = long::stretches(problem, &kept, options)?.unwrap_or(kept);
     let end = watch.share(HALF);
     let trained = studied(problem, &part, options, None, false, watch);

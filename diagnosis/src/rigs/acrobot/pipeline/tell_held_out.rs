@@ -21,7 +21,7 @@ pub(super) fn tell_held_out(diagnosis: &mut Diagnosis, held_out: HeldOut) {
         diagnosis.story.push(format!("Searched again without {runs}: {named}."));
     }
     for effect in diagnosis.effects.iter_mut().filter(|effect| held_out.misses(effect)) {
-        effect.probability = effect.probability.min(PIPELINE.half_asked);
+        effect.probability = effect.probability.min(PIPELINE.missed);
         diagnosis
             .story
             .push(format!("{} isn't found by each of these searches: it may be chance.", effect.name));

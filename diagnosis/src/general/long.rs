@@ -39,7 +39,10 @@ pub fn stretches<'a>(
     if problem.whole || machine.states.is_empty() || !options.fit.is_empty() {
         return Ok(None);
     }
-    Ok(spread(&machine, rows, most(machine.parameters.len()), GENERAL.stretch))
+    let most = most(machine.parameters.len());
+    // of each run one at least
+    let wanted = |_: &[Stretch], _: usize| (most / GENERAL.stretch).max(rows.len());
+    Ok(spread(&machine, rows, most, GENERAL.stretch, &wanted))
 }
 
 /// The rows that are fitted, where they are so many that neither memory nor time would do for all, and what to say of that.
@@ -50,8 +53,11 @@ pub fn thinned<'a>(problem: &Problem, rows: Rows<'a>) -> Result<(Rows<'a>, Optio
     let machine = Machine::new(problem)?;
     let most = GENERAL.fitted() / machine.parameters.len().max(1);
     // a start state of its own takes next to nothing of so long a stretch
-    let taken =
-        if problem.whole { None } else { spread(&machine, &rows, most, FAR as usize * GENERAL.stretch) };
+    let wanted = |list: &[Stretch], all: usize| (most * list.len() / all).max(1);
+    let taken = match problem.whole {
+        true => None,
+        false => spread(&machine, &rows, most, FAR as usize * GENERAL.stretch, &wanted),
+    };
     let Some(taken) = taken else { return Ok((rows, None)) };
     let count = |rows: &Rows<'_>| rows.iter().map(|(run, span)| counted(&machine, run, *span)).sum::<usize>();
     let message = format!(
@@ -63,10 +69,18 @@ pub fn thinned<'a>(problem: &Problem, rows: Rows<'a>) -> Result<(Rows<'a>, Optio
     Ok((taken, Some(Notice { file: "dataset.toml".into(), line: 0, message })))
 }
 
-/// About `most` of the rows in stretches of so many, evenly spread; nothing where they are not more than that.
-fn spread<'a>(machine: &Machine, rows: &Rows<'a>, most: usize, length: usize) -> Option<Rows<'a>> {
+/// About `most` of the rows in stretches of so many, evenly spread; nothing where they are not more than that. `wanted`: how many of all stretches,
+/// of which these are the rows.
+fn spread<'a>(
+    machine: &Machine,
+    rows: &Rows<'a>,
+    most: usize,
+    length: usize,
+    wanted: &dyn Fn(&[Stretch], usize) -> usize,
+) -> Option<Rows<'a>> {
     let counts: Vec<usize> = rows.iter().map(|(run, span)| counted(machine, run, *span)).collect();
-    if !is_long(counts.iter().sum(), most) {
+    let all = counts.iter().sum();
+    if !is_long(all, most) {
         return None;
     }
     let mut list = Vec::new();
@@ -75,7 +89,7 @@ fn spread<'a>(machine: &Machine, rows: &Rows<'a>, most: usize, length: usize) ->
         let at = |part: usize| from + (to - from) * part as f64 / parts as f64;
         list.extend((0..parts).map(|place| Stretch { run, place, span: (at(place), at(place + 1)) }));
     }
-    let joined = joined(&spread_evenly(&list, (most / length).max(rows.len())));
+    let joined = joined(&spread_evenly(&list, wanted(&list, all)));
     Some(joined.into_iter().map(|(run, span)| (rows[run].0, span)).collect())
 }
 
@@ -258,6 +272,11 @@ mod tests {
         assert_eq!(rows(most * 14 / 10), (2, 1, false));
         let (fitted, stretches, is_told) = rows(most * 4);
         assert!((1..=2).contains(&fitted) && stretches > 5 && is_told, "{fitted} in {stretches}");
+        // and of many short runs some whole ones
+        rows(most / 100);
+        problem.runs = vec![problem.runs[0].clone(); 400];
+        let (taken, _) = thinned(&problem, problem.whole_runs()).expect("it is linked");
+        assert_eq!(taken.len(), 100);
     }
 
     #[test]

@@ -72,6 +72,8 @@
 //! one that runs units in its own process, [`Guard`] says which unit took it down, and saves its rows.
 
 mod algorithm;
+#[cfg(test)]
+mod alone;
 mod blocks;
 mod bundle;
 mod checkpoint;

@@ -137,12 +137,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn law_a_folder_that_has_gone_is_nobodys_to_remove() {
-        const CHILD: &str = "ORCHESTRATOR_WORKSHOP";
-        if std::env::var_os(CHILD).is_none() {
-            let name = std::thread::current().name().map(str::to_owned).expect("that of the test");
-            let mut again = std::process::Command::new(std::env::current_exe().expect("this program"));
-            let done = again.args(["--exact", &name]).env(CHILD, "1").output().expect("starts");
-            assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stdout));
+        if !crate::alone::is_alone() {
             return;
         }
         assert!(!crate::guard::has_unpacked());

@@ -42,12 +42,7 @@ mod tests {
     #[test]
     fn law_the_mask_is_put_back_when_asked_and_when_dropped() {
         // a process of its own: files that other tests make meanwhile would get other permissions
-        const CHILD: &str = "ORCHESTRATOR_FILE_MASK";
-        if std::env::var_os(CHILD).is_none() {
-            let name = std::thread::current().name().map(str::to_owned).expect("that of the test");
-            let mut again = std::process::Command::new(std::env::current_exe().expect("this program"));
-            let done = again.args(["--exact", &name]).env(CHILD, "1").output().expect("starts");
-            assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stdout));
+        if !crate::alone::is_alone() {
             return;
         }
         let before = read();

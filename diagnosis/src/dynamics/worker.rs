@@ -341,15 +341,12 @@ impl Worker {
     /// One step of all units, each with what those before it gave at its end.
     fn step(&mut self, machine: &Machine, (from, span): (f64, f64), fed: &[f64]) -> Result<(), Error> {
         // to ask for the time costs as much as a step of a small unit
-        if self.steps.is_multiple_of(TASK)
-            && machine.deadline.is_some_and(|deadline| Instant::now() >= deadline)
-        {
+        let asks = self.steps.is_multiple_of(TASK);
+        let is_late = asks && machine.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        if is_late || machine.budget.as_ref().is_some_and(|budget| !budget.take()) {
             return Err(Error::TooSlow);
         }
         self.steps += 1;
-        if machine.budget.as_ref().is_some_and(|budget| !budget.take()) {
-            return Err(Error::TooSlow);
-        }
         for place in 0..self.instances.len() {
             if !machine.links.is_empty() {
                 self.carry(machine, Some(place))?;

@@ -5,6 +5,7 @@ use diagnosis::Error;
 use diagnosis::testing::{
     At, FitOptions as Options, Linearise, Linearised, Measured, Noise, Path, Random, Sizes, fit,
 };
+use std::sync::atomic::{AtomicBool, Ordering};
 
 const ROWS: usize = 400;
 /// s between rows.
@@ -196,4 +197,41 @@ fn recovers_two_parameters_whose_first_step_leaves_much_more_than_noise() {
             );
         }
     }
+}
+
+/// The body, which can be followed once.
+struct Once<'a> {
+    body: Body,
+    followed: AtomicBool,
+    then: &'a (dyn Fn() -> Error + Sync),
+}
+
+impl Linearise for Once<'_> {
+    fn linearise(&self, theta: &[f64], paths: &[Path], columns: &[usize]) -> Result<Vec<Linearised>, Error> {
+        match self.followed.swap(true, Ordering::Relaxed) {
+            false => self.body.linearise(theta, paths, columns),
+            true => Err((self.then)()),
+        }
+    }
+
+    fn range(&self, parameter: usize) -> (f64, f64) {
+        self.body.range(parameter)
+    }
+
+    fn scales(&self) -> &[f64] {
+        self.body.scales()
+    }
+}
+
+#[test]
+fn law_a_fit_ends_where_its_unit_is_given_up_and_not_where_it_fails_on_the_way() {
+    let ends = |then: &(dyn Fn() -> Error + Sync)| {
+        let body = Body::logged(30.0);
+        let noise = Noise { channels: vec![SCATTER], process: vec![0.02], jitter: 0.0, disturbance: None };
+        let start = At { theta: vec![NOMINAL], paths: vec![body.log.clone()], noise };
+        let once = Once { body, followed: AtomicBool::new(false), then };
+        fit(&once, &start, &[0], None, &Options::default())
+    };
+    assert!(matches!(ends(&|| Error::TooSlow), Err(Error::TooSlow)));
+    assert!(ends(&|| Error::Model("it runs away".into())).is_ok());
 }

@@ -40,3 +40,24 @@ pub fn heavy_tail(left: &Left) -> Option<Notice> {
     );
     Some(Notice { file: "plant.csv".into(), line: 0, message })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigs::acrobot::linked::LoneReadings;
+
+    #[test]
+    fn value_a_heavy_tail_is_told_where_no_reading_stands_out() {
+        let told = |stand_out: bool| {
+            let lone =
+                LoneReadings { angle: 1, count: 11, of: 5400, first: (0, 0.0), farthest: 3e-3, stand_out };
+            heavy_tail(&Left { lone: Some(lone), ..Left::default() }).map(|notice| notice.message)
+        };
+        assert_eq!(told(true), None);
+        let told = told(false).expect("a notice");
+        assert!(
+            told.starts_with("11 of 5400 readings of plant.q2 lie beyond 6 standard deviations"),
+            "{told}"
+        );
+    }
+}

@@ -17,6 +17,8 @@ mod problem;
 mod unlisted_law;
 
 pub use classes::weigh_linked_classes;
+#[cfg(test)]
+pub use lone_readings::LoneReadings;
 pub use poses::poses_as_log;
 pub use unlisted_law::{Left, UnlistedLaw, left_of};
 

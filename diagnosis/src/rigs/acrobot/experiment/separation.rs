@@ -181,16 +181,17 @@ impl<'a> Bench<'a> {
         .clamp(range.0.min(0.0), range.1.max(0.0));
         let loss = (size * size * aa - 2.0 * within * size * ab + within * within * bb).max(0.0);
         let pair = [a, b].map(|place| &self.list[self.question.members[place].candidate]);
-        allowed(loss, size * size * aa, pair)
+        allowed(loss, size * size * aa, pair, self.prepared.logs.encoders)
     }
 }
 
 /// What a diagnosis will believe of a loss, where images tell a pair apart: it compares these by columns, and no more is known of them in data that
-/// are still to be made.
-fn allowed(loss: f64, strength: f64, pair: [&Candidate; 2]) -> f64 {
+/// are still to be made. With `encoders` rows of a log tell a plant's effect from one of the camera.
+fn allowed(loss: f64, strength: f64, pair: [&Candidate; 2], encoders: bool) -> f64 {
     let smooth = |one: &Candidate| !one.is_discrete() && !matches!(one.motion, Motion::Saturation { .. });
     let pictured = |one: &Candidate| one.side == Side::Camera && !one.is(Attribute::ImageDelay);
-    let by_columns = pair.into_iter().all(smooth) && pair.into_iter().any(pictured);
+    let by_images = !encoders || pair.into_iter().all(|one| one.side == Side::Camera);
+    let by_columns = by_images && pair.into_iter().all(smooth) && pair.into_iter().any(pictured);
     let bent = pair.into_iter().any(|one| one.nonlinear);
     if by_columns { allowed_loss(loss, 0.0, strength, bent) } else { loss }
 }
@@ -224,10 +225,12 @@ mod tests {
             .map(|(side, nonlinear)| candidate(side, nonlinear));
         let delay = Candidate { attributes: &[Attribute::ImageDelay], ..lens.clone() };
         let passes = Candidate { motion: Motion::Switch, ..lens.clone() };
-        let of = |a: &Candidate, b: &Candidate| allowed(100.0, 1.6e5, [a, b]);
+        let of = |a: &Candidate, b: &Candidate| allowed(100.0, 1.6e5, [a, b], false);
         // 0.2 of what tells a blur from a delay, and 0.0025 of 400 standard deviations is one
         assert!((of(&delay, &exposure) - 100.0 / 6.0).abs() < 1e-9);
         assert!((of(&lens, &lens) - 50.0).abs() < 1e-9 && of(&joint, &lens) == of(&lens, &lens));
+        let logged = |a: &Candidate, b: &Candidate| allowed(100.0, 1.6e5, [a, b], true);
+        assert!(logged(&joint, &lens) == 100.0 && logged(&delay, &exposure) == of(&delay, &exposure));
         // rows of a log are no columns of an image, and whole numbers are fitted
         assert_eq!([of(&joint, &joint), of(&joint, &delay), of(&passes, &lens)], [100.0; 3]);
     }

@@ -153,6 +153,17 @@ pub fn unknown(problem: &Problem, studied: &Studied) -> Option<Unknown> {
     })
 }
 
+/// What has no name, and where time was up before all that is listed was tried, that it may have one.
+pub(super) fn as_far_as_searched(unknown: Unknown, is_cut_short: bool) -> Unknown {
+    match is_cut_short {
+        true => Unknown {
+            shape: format!("as far as the search came before time was up: {}", unknown.shape),
+            ..unknown
+        },
+        false => unknown,
+    }
+}
+
 /// What has no name where nobody asked for an unlisted input, though process noise gains so much deviance.
 fn unasked(evidence: f64) -> Unknown {
     Unknown {
@@ -305,7 +316,19 @@ pub(super) fn follows(engine: &Engine, studied: &Studied, course: &[f64]) -> (Ve
 
 #[cfg(test)]
 mod tests {
-    use super::{GENERAL, each_once, origin, waves};
+    use super::{GENERAL, Unknown, as_far_as_searched, each_once, origin, waves};
+
+    #[test]
+    fn law_what_a_search_that_was_cut_short_leaves_is_told_as_that() {
+        let told = |is_cut_short| {
+            let left = Unknown { shape: "linear in x".into(), signal: "x".into(), ..Unknown::default() };
+            as_far_as_searched(left, is_cut_short)
+        };
+        assert_eq!(told(false).shape, "linear in x");
+        let cut = told(true);
+        assert_eq!(cut.shape, "as far as the search came before time was up: linear in x");
+        assert_eq!(cut.signal, "x");
+    }
 
     #[test]
     fn value_laws_of_what_hardly_moves_begin_in_its_middle() {

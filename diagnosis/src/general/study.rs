@@ -82,6 +82,7 @@ fn diagnosed_in_time(
     let problem = &crate::check::hinted(problem);
     let problem = &rows_or_whole_runs::choose_way(&reading::read(problem)?)?;
     let (through, Searched { trained, held, all }) = rows_or_whole_runs::search(problem, options, watch)?;
+    let is_cut_short = !watch.ended().is_empty();
     let problem = through.as_ref().unwrap_or(problem);
     let unknown = unnamed(problem, &all)
         .or_else(|| held.squares.unlike().filter(|_| is_judged(&trained, &all) && options.fit.is_empty()))
@@ -90,7 +91,7 @@ fn diagnosed_in_time(
         misread::misread(problem, (&trained, &all), unknown.is_some(), options, watch);
     let unknown = runs::shaped(problem, &all, options, unknown, watch)
         .map(|unknown| misread::with_reading(unknown, &misread))
-        .map(|unknown| as_far_as_searched(unknown, watch.ended()));
+        .map(|unknown| residual::as_far_as_searched(unknown, is_cut_short));
     let in_doubt =
         is_misread || unknown.is_some() || is_judged(&trained, &all) && held.squares.close_little();
     let effects = findings::effects(problem, &all, in_doubt);
@@ -123,15 +124,6 @@ fn diagnosed_in_time(
         traces: Vec::new(),
         channels: held.channels,
     })
-}
-
-/// What has no name, where time was up before all that is listed was tried: it may have one.
-fn as_far_as_searched(unknown: Unknown, ended: &[String]) -> Unknown {
-    if ended.is_empty() {
-        return unknown;
-    }
-    let shape = format!("as far as the search came before time was up: {}", unknown.shape);
-    Unknown { shape, ..unknown }
 }
 
 /// What a search left without a name: in the machine, or in what a sensor shows.

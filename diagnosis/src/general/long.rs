@@ -60,11 +60,13 @@ pub fn thinned<'a>(problem: &Problem, rows: Rows<'a>) -> Result<(Rows<'a>, Optio
     };
     let Some(taken) = taken else { return Ok((rows, None)) };
     let count = |rows: &Rows<'_>| rows.iter().map(|(run, span)| counted(&machine, run, *span)).sum::<usize>();
+    let (all, kept, parts) = (count(&rows), count(&taken), taken.len());
+    if kept == all {
+        // a single stretch is more than that already
+        return Ok((rows, None));
+    }
     let message = format!(
-        "of {} rows {} in {} stretches, evenly spread, are fitted: what more would tell grows with the root of their number only",
-        count(&rows),
-        count(&taken),
-        taken.len()
+        "of {all} rows {kept} in {parts} stretches, evenly spread, are fitted: what more would tell grows with the root of their number only"
     );
     Ok((taken, Some(Notice { file: "dataset.toml".into(), line: 0, message })))
 }

@@ -48,8 +48,8 @@ pub struct Pipeline {
     /// Of such names 4 of some 29 were right on blind sets of six seeds, and 7 of 10 where a listed effect was hidden beside one that is on no
     /// list; of those that explained less 2 of some 106.
     pub beside: f64,
-    /// Probability that a name keeps at most which a repeated search could find and doesn't: half of the runs show less. Of 14 such names of five
-    /// testers 11 were right.
+    /// Probability that a name keeps at most which a repeated search could find and doesn't: half of the runs show less. Of 15 such names on the sets of
+    /// four testers 12 were right.
     pub missed: f64,
     /// Share that a name keeps where half of what could be asked was: of noises in another light, and where time was up.
     pub half_asked: f64,

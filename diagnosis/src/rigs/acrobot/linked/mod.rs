@@ -33,28 +33,31 @@ use crate::observe::{OutputEffect, Run};
 use crate::rigs::acrobot::candidates::{Candidate, actuator};
 use crate::rigs::acrobot::dataset::DataSet;
 use crate::rigs::acrobot::model::Model;
+use crate::rigs::acrobot::residual::Signal;
+use crate::rigs::acrobot::selection::Study;
 use policy::LINKED;
 use problem::{Stretches, stretches};
+use std::sync::Arc;
 
 /// The first states are angles; process noise acts on their rates.
 const ANGLES: usize = 2;
 
 /// The plant's logs, ready to be linked.
-struct Linked<'a> {
+struct Linked {
     built: Built,
-    list: &'a [Candidate],
+    list: Arc<Vec<Candidate>>,
     /// The parameter that is each candidate.
     places: Vec<Option<usize>>,
     /// Parameters that no candidate is, as the nominal model has them.
     nominal: Vec<f64>,
 }
 
-impl<'a> Linked<'a> {
+impl Linked {
     /// Links the runs that hold a torque and both angles; `None` where there are none.
     fn of(
         data: &DataSet,
         model: &Model,
-        list: &'a [Candidate],
+        list: &Arc<Vec<Candidate>>,
         point: &[f64],
         sigma: &dyn Fn(&str) -> Option<f64>,
     ) -> Result<Option<Self>, Error> {
@@ -89,7 +92,7 @@ impl<'a> Linked<'a> {
             })
         };
         let places = list.iter().map(place).collect();
-        Ok(Some(Self { built, list, places, nominal }))
+        Ok(Some(Self { built, list: list.clone(), places, nominal }))
     }
 
     /// All parameters at a point.
@@ -116,16 +119,51 @@ impl<'a> Linked<'a> {
         fit_from(&self.built.engine, &start, runs, &free, Some(&self.built.sizes), &OPTIONS)
     }
 
-    /// The candidates `free` fitted, with the path, from `start` on at `point`; and with the sizes of the noises, unless they are held.
-    fn fitted(&self, start: &At, point: &[f64], free: &[usize], sizes: Option<&Sizes>) -> Result<Fit, Error> {
-        let at = At { theta: self.theta(point), ..start.clone() };
-        fit(&self.built.engine, &at, &self.free(free), sizes, &OPTIONS)
+    /// The candidates `free` fitted, with the path, from `start` on; and with the sizes of the noises, unless they are held.
+    fn fitted(&self, start: &At, free: &[usize], sizes: Option<&Sizes>) -> Result<Fit, Error> {
+        fit(&self.built.engine, start, &self.free(free), sizes, &OPTIONS)
     }
 
     /// The parameters that are candidates with a continuous value.
     fn free(&self, candidates: &[usize]) -> Vec<usize> {
         let real = candidates.iter().filter(|index| !self.list[**index].is_discrete());
         real.filter_map(|index| self.places[*index]).collect()
+    }
+}
+
+/// The plant's logs with linked states where a study ended: what one question found, another needn't fit again.
+pub struct LinkedFit {
+    linked: Linked,
+    /// The study's effects, fitted.
+    fit: Fit,
+    /// Where the study ended, and the noises that it found.
+    point: Vec<f64>,
+    active: Vec<usize>,
+    sigmas: Vec<f64>,
+}
+
+impl LinkedFit {
+    /// Links the logs and fits the study's effects; `None` where there is nothing to link.
+    fn of(
+        data: &DataSet,
+        model: &Model,
+        list: &Arc<Vec<Candidate>>,
+        (study, signals): (&Study, &[Signal]),
+    ) -> Result<Option<Self>, Error> {
+        let sigma = |name: &str| {
+            let place = signals.iter().position(|signal| signal.name.strip_prefix("plant.") == Some(name))?;
+            study.last.sigmas.get(place).copied()
+        };
+        let (point, active, sigmas) =
+            (study.last.point.clone(), study.active.clone(), study.last.sigmas.clone());
+        let Some(mut linked) = Linked::of(data, model, list, &point, &sigma)? else { return Ok(None) };
+        let fit = linked.fitted_anew(&point, &active)?;
+        Ok(Some(Self { linked, fit, point, active, sigmas }))
+    }
+
+    /// Whether the study still stands where it was linked.
+    fn is_of(&self, study: &Study) -> bool {
+        self.point == study.last.point && self.active == study.active && self.sigmas == study.last.sigmas
     }
 }
 

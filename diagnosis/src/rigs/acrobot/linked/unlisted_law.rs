@@ -6,7 +6,7 @@
 use super::lone_readings::{LoneReadings, lone_readings};
 use super::periods::periodic_laws;
 use super::problem::{MOTION, TORQUES};
-use super::{Linked, is_quiet};
+use super::{Linked, LinkedFit, is_quiet};
 use crate::dynamics::grid::Grid;
 use crate::dynamics::machine::Role;
 use crate::error::Error;
@@ -24,6 +24,7 @@ use crate::rigs::acrobot::selection::Study;
 use crate::rigs::acrobot::simple_laws::{Law, Moment, On, all_laws};
 use crate::statistics::levels::{FEW, FINE, HALF};
 use crate::statistics::linear::Reduced;
+use std::sync::Arc;
 
 /// The law that is told most surely.
 pub struct UnlistedLaw {
@@ -37,6 +38,8 @@ pub struct UnlistedLaw {
     pub share: f64,
     /// The model follows the log without process noise.
     pub quiet: bool,
+    /// By how many standard deviations the dry friction is told that is on; 0 without any.
+    pub friction: f64,
 }
 
 /// What linked states leave that has no name.
@@ -48,29 +51,31 @@ pub struct Left {
     pub lone: Option<LoneReadings>,
 }
 
-/// What the plant's logs leave beside the study's effects and whatever else is listed.
-/// `readings`: angles were read by encoders, which have laws of their own.
+/// What the plant's logs leave beside the study's effects and whatever else is listed. What is `known` of the same logs is taken where the study
+/// stands there. `readings`: angles were read by encoders, which have laws of their own.
 ///
 /// # Errors
 /// The log can't be linked: a unit failed, or the fit comes to no end.
 pub fn left_of(
     data: &DataSet,
     model: &Model,
-    list: &[Candidate],
+    list: &Arc<Vec<Candidate>>,
     (study, signals): (&Study, &[Signal]),
+    known: Option<&LinkedFit>,
     readings: bool,
 ) -> Result<Left, Error> {
-    let sigma = |name: &str| {
-        let place = signals.iter().position(|signal| signal.name.strip_prefix("plant.") == Some(name))?;
-        study.last.sigmas.get(place).copied()
+    let linked;
+    let LinkedFit { linked, fit, .. } = match known.filter(|known| known.is_of(study)) {
+        Some(known) => known,
+        None => {
+            linked = LinkedFit::of(data, model, list, (study, signals))?;
+            let Some(linked) = &linked else { return Ok(Left::default()) };
+            linked
+        }
     };
-    let point = &study.last.point;
-    let Some(mut linked) = Linked::of(data, model, list, point, &sigma)? else {
-        return Ok(Left::default());
-    };
-    let fit = linked.fitted_anew(point, &study.active)?;
-    let laws = Laws::of(&linked, list, &fit, readings)?;
-    let law = laws.and_then(|laws| laws.surest(&fit, &linked.built.sizes));
+    let laws = Laws::of(linked, list, fit, readings)?;
+    let law = laws.and_then(|laws| laws.surest(fit, &linked.built.sizes));
+    let law = law.map(|law| UnlistedLaw { friction: linked.friction(&study.active, fit), ..law });
     let lone = if readings { lone_readings(&fit.runs, &fit.at.noise, linked.angles()) } else { None };
     Ok(Left { law, lone })
 }
@@ -86,7 +91,7 @@ struct Laws {
 }
 
 impl Laws {
-    fn of(linked: &Linked<'_>, list: &[Candidate], fit: &Fit, readings: bool) -> Result<Option<Self>, Error> {
+    fn of(linked: &Linked, list: &[Candidate], fit: &Fit, readings: bool) -> Result<Option<Self>, Error> {
         let [joint, first] = TORQUES.map(|input| linked.bias_of(input));
         let Some(pushes) = first.zip(joint).map(|(first, joint)| [first, joint]) else { return Ok(None) };
         let listed = |(index, candidate): (usize, &Candidate)| {
@@ -136,7 +141,7 @@ impl Laws {
         let variance = |noise: &Noise| noise.process.iter().map(|size| size * size).sum::<f64>();
         let share = 1.0 - variance(&noise) / variance(&fit.at.noise);
         let (on, law) = self.laws[law].clone();
-        Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes) })
+        Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes), friction: 0.0 })
     }
 }
 
@@ -252,12 +257,19 @@ impl Beside<'_> {
     }
 }
 
-impl Linked<'_> {
+impl Linked {
     /// The parameter that is a constant torque at one of the inputs.
     fn bias_of(&self, name: &str) -> Option<usize> {
         let input = self.input(name)?;
         let own = |role: Role| matches!(role, Role::Input(place, InputEffect::Bias) if place == input);
         self.built.engine.machine.parameters.iter().position(|one| own(one.role))
+    }
+
+    /// By how many standard deviations the dry friction is told that is on: the strongest.
+    fn friction(&self, active: &[usize], fit: &Fit) -> f64 {
+        let sticks = active.iter().filter(|index| self.list[**index].sticks());
+        let told = |place: usize| (fit.at.theta[place] - self.nominal[place]).abs() / fit.deviation(place);
+        sticks.filter_map(|index| self.places[*index]).map(told).fold(0.0, f64::max)
     }
 
     /// The commanded torque in the middle of each interval of each run.

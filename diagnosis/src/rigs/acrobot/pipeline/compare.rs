@@ -9,6 +9,7 @@ use super::replace_effect::put_best_first;
 use crate::error::{Error, Notice};
 use crate::rigs::acrobot::candidates::{Candidate, Side};
 use crate::rigs::acrobot::gap::chained;
+use crate::rigs::acrobot::linked::LinkedFit;
 use crate::rigs::acrobot::residual::image::{Laws, Noise};
 use crate::rigs::acrobot::residual::{Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
@@ -35,6 +36,8 @@ pub(super) struct Part {
     pub(super) integers: Vec<IntegerInterval>,
     /// Effects that the zero of an encoder explains as well.
     pub(super) shared: Vec<Shared>,
+    /// The fit with linked states that the plant's classes needed.
+    pub(super) linked: Option<LinkedFit>,
 }
 
 impl Part {
@@ -120,5 +123,6 @@ pub(super) fn add_classes(
         laws: Laws::default(),
         integers,
         shared: Vec::new(),
+        linked: None,
     })
 }

@@ -53,7 +53,9 @@ pub(super) fn compare_plant(
     if !rig.has_images() {
         part = weigh_zeros(&mut rows, list, part, watch)?;
     }
-    weigh_linked_classes(&rig.data, rig.model, list, (&part.study, &part.signals), &mut part.classes, watch);
+    let (study, signals) = (&part.study, part.signals.as_slice());
+    part.linked =
+        weigh_linked_classes(&rig.data, rig.model, list, (study, signals), &mut part.classes, watch);
     // what compares by torques is not asked: no linked state speaks there
     if !part.study.discrepancy_dominated {
         for (effect, class) in &mut part.classes {

@@ -368,5 +368,5 @@ fn left(rig: &Rig<'_>, part: &Part, watch: &mut Watch<'_>) -> Left {
     }
     watch.stage("plant: laws that nobody lists, with linked states");
     let (data, found) = (seen.as_ref().unwrap_or(&rig.data), (&part.study, part.signals.as_slice()));
-    left_of(data, rig.model, &rig.list, found, part.torque).unwrap_or_default()
+    left_of(data, rig.model, &rig.list, found, part.linked.as_ref(), part.torque).unwrap_or_default()
 }

@@ -15,6 +15,7 @@ mod restarted_fit;
 mod screen;
 mod search;
 mod settle;
+mod shortlist;
 mod start_points;
 mod steadiness;
 mod subsets;

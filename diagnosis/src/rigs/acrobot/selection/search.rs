@@ -5,8 +5,9 @@ use super::evaluation::{Evaluation, all_perturbations};
 use super::folds::Folds;
 use super::screen::{Screen, screen};
 use super::settle::{Opinion, second_opinion, settle};
+use super::shortlist::shortlist;
 use super::switches::best_switch;
-use super::trials::{Accepted, Trials, shortlist};
+use super::trials::{Accepted, Refused, Trials};
 use super::{Alternative, Questioned, Step, Study};
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side, continuous};
@@ -71,13 +72,10 @@ struct Search<'a> {
     nominal: Evaluation,
     last: Evaluation,
     found: Screen,
-    /// Candidates that turned out to be superfluous, or to explain no runs that were left out.
-    refused: Vec<usize>,
+    refused: Refused,
     /// All that were ever accepted, and who took whose place.
     accepted: Vec<usize>,
     swaps: Vec<(usize, usize)>,
-    /// How many were accepted and dropped, or accepted again.
-    vain: usize,
     /// Switches that make things worse.
     in_vain: Vec<usize>,
     class: Option<(usize, Vec<Alternative>)>,
@@ -111,10 +109,9 @@ impl<'a> Search<'a> {
             active,
             nominal,
             last,
-            refused: Vec::new(),
+            refused: Refused::default(),
             accepted: Vec::new(),
             swaps: Vec::new(),
-            vain: 0,
             in_vain: Vec::new(),
             class: None,
             steps: Vec::new(),
@@ -123,7 +120,7 @@ impl<'a> Search<'a> {
 
     /// Rounds until nothing more is found, or so many are on.
     fn one_by_one(&mut self, most: usize, watch: &mut Watch<'_>, enough: Enough<'_>) -> Result<(), Error> {
-        while self.active.len() < most && self.vain <= SELECTION.vain {
+        while self.active.len() < most && self.refused.vain <= SELECTION.vain {
             if watch.is_over(SEARCH) || enough(&self.active, watch)? || !self.round(watch)? {
                 break;
             }
@@ -160,10 +157,10 @@ impl<'a> Search<'a> {
         self.accepted.push(candidate);
         if stuck {
             // refused from now on; what it hid may be the truth
-            self.vain += 1;
+            self.refused.vain += 1;
         } else {
             // accepted and swapped away in turns, two would go on for ever
-            self.vain += usize::from(again);
+            self.refused.vain += usize::from(again);
             self.ask_second_opinion(candidate, watch)?;
         }
         Ok(true)
@@ -174,11 +171,12 @@ impl<'a> Search<'a> {
         let Self { cut, candidates, folds, active, last, found, refused, in_vain, .. } = self;
         let cut: &mut Tracked = cut;
         let threshold = found.null.threshold(SELECTION.alpha);
-        let shortlist = shortlist(found, candidates, refused, threshold, cut.policy().discrepancy_dominated);
-        let switched = best_switch(cut, candidates, last, active, refused, in_vain)?;
+        let shortlist =
+            shortlist(found, candidates, &refused.candidates, threshold, cut.policy().discrepancy_dominated);
+        let switched = best_switch(cut, candidates, last, active, &refused.candidates, in_vain)?;
         let set = Trials { candidates, folds, last, found, active };
         match set.best_that_holds(cut, &shortlist, switched, refused, watch)? {
-            None => set.best_of_sparse(cut, refused),
+            None => set.best_of_sparse(cut, &refused.candidates),
             best => Ok(best),
         }
     }
@@ -193,7 +191,7 @@ impl<'a> Search<'a> {
         self.last = linearise(self.cut, self.candidates, &point, &self.active)?;
         step.dropped.extend(self.settle_again()?);
         step.mean_square.1 = mean_square(&self.last);
-        self.refused.extend(&step.dropped);
+        self.refused.candidates.extend(&step.dropped);
         Ok(())
     }
 
@@ -227,9 +225,9 @@ impl<'a> Search<'a> {
         self.last = linearise(self.cut, self.candidates, &other, &self.active)?;
         let dropped = self.settle_again()?;
         self.found = screen(&self.last, self.candidates, &self.active);
-        self.refused.extend(&dropped);
+        self.refused.candidates.extend(&dropped);
         // what was swapped for it could be accepted again and again
-        self.vain += usize::from(!dropped.is_empty());
+        self.refused.vain += usize::from(!dropped.is_empty());
         if let Some(step) = self.steps.last_mut() {
             step.accepted = swapped;
             step.dropped.extend(dropped);

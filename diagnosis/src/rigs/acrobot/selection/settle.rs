@@ -6,7 +6,7 @@ use super::refit::refit_closely;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Side, continuous};
 use crate::rigs::acrobot::policy::POLICY;
-use crate::rigs::acrobot::residual::Tracked;
+use crate::rigs::acrobot::residual::{Signal, Tracked};
 use crate::rigs::acrobot::selection::policy::SELECTION;
 use crate::watch::Watch;
 
@@ -105,29 +105,21 @@ fn prune(
         let fit = refit_closely(cut, candidates, point, active, f64::INFINITY)?;
         point.clone_from(&fit.point);
         let free = continuous(candidates, active);
-        let Some(covariance) = fit.covariance(&free) else {
+        let Some(errors) = errors(&fit, &free, cut.signals()) else {
             let Some(dead) = idle(cut, candidates, &fit, &free)? else { return Ok((dropped, tiny)) };
             active.retain(|other| *other != dead);
             point[dead] = candidates[dead].off;
             dropped.push(dead);
             continue;
         };
-        let systematic = fit.systematic(&free, cut.signals());
-        let error = |place: usize| (covariance[(place, place)] + systematic[place]).sqrt();
-        for (place, index) in free.iter().enumerate() {
-            tiny[*index] = SELECTION.moved * error(place);
+        for (error, index) in errors.iter().zip(&free) {
+            tiny[*index] = SELECTION.moved * error;
         }
-        let size = |place: usize, index: usize| {
-            let (candidate, x) = (&candidates[index], fit.point[index]);
-            if candidate.is_at_its_end(x) { 0.0 } else { (x - candidate.off).abs() / error(place) }
-        };
-        let keep =
-            |index: usize| if candidates[index].side == Side::Camera { POLICY.clear } else { SELECTION.keep };
-        let weakest = (free.iter().enumerate())
-            .map(|(place, index)| (size(place, *index) / keep(*index), *index))
+        let weakest = (errors.iter().zip(&free))
+            .map(|(error, index)| (strength(&candidates[*index], fit.point[*index], *error), *index))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match weakest {
-            Some((size, index)) if size < 1.0 => {
+            Some((strength, index)) if strength < 1.0 => {
                 active.retain(|other| *other != index);
                 point[index] = candidates[index].off;
                 dropped.push(index);
@@ -137,9 +129,38 @@ fn prune(
     }
 }
 
+/// Standard errors of values, with what right renderers differ by; `None` where they can't be told from each other.
+fn errors(fit: &Evaluation, free: &[usize], signals: &[Signal]) -> Option<Vec<f64>> {
+    let covariance = fit.covariance(free)?;
+    let systematic = fit.systematic(free, signals);
+    Some((0..free.len()).map(|place| (covariance[(place, place)] + systematic[place]).sqrt()).collect())
+}
+
+/// How far a value is from being dropped: 1 and less is superfluous.
+fn strength(candidate: &Candidate, x: f64, error: f64) -> f64 {
+    let size = if candidate.is_at_its_end(x) { 0.0 } else { (x - candidate.off).abs() / error };
+    size / if candidate.side == Side::Camera { POLICY.clear } else { SELECTION.keep }
+}
+
+/// Whether an effect that is fitted beside those that are on is none of those that are dropped.
+pub(super) fn is_kept(
+    fit: &Evaluation,
+    candidates: &[Candidate],
+    active: &[usize],
+    effect: usize,
+    signals: &[Signal],
+) -> bool {
+    let free = continuous(candidates, active);
+    let own = free.iter().position(|index| *index == effect);
+    let told = own.and_then(|place| Some(errors(fit, &free, signals)?[place]));
+    let dropped = |error: f64| strength(&candidates[effect], fit.point[effect], error) < 1.0;
+    !told.is_some_and(dropped)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rigs::acrobot::residual::Cut;
     use crate::rigs::acrobot::selection::examples::{candidate, toy};
 
     /// Fitted and pruned: whether the only value stays, and by how much it may still move.
@@ -156,6 +177,17 @@ mod tests {
     fn value_an_effect_goes_below_three_standard_errors_and_settles_within_a_third_of_one() {
         assert_eq!([2.7, 3.3].map(|deviations| pruned(deviations).0), [false, true]);
         assert!((pruned(3.3).1 - 0.03).abs() < 1e-9);
+    }
+
+    #[test]
+    fn value_an_effect_that_settling_would_drop_is_not_kept() {
+        let kept = |deviations: f64| {
+            let candidates = [candidate(Side::Plant, false)];
+            let mut cut = toy(move |x| vec![deviations - 10.0 * x[0]]);
+            let fit = refit_closely(&mut cut, &candidates, &[0.0], &[0], f64::INFINITY).expect("runs");
+            is_kept(&fit, &candidates, &[0], 0, cut.signals())
+        };
+        assert_eq!([2.7, 3.3].map(kept), [false, true]);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::folds::Folds;
 use super::refit::refit_closely;
 use super::screen::{Hit, Screen, screen};
 use super::search::SEARCH;
+use super::settle::is_kept;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
 use crate::rigs::acrobot::policy::POLICY;
@@ -25,6 +26,23 @@ pub(super) struct Accepted {
     pub(super) held_out: (f64, f64),
 }
 
+/// Who is out of the question from now on.
+#[derive(Default)]
+pub(super) struct Refused {
+    /// Candidates that turned out to be superfluous, or to explain no runs that were left out.
+    pub(super) candidates: Vec<usize>,
+    /// How many were accepted and dropped, or would have been, or were accepted again.
+    pub(super) vain: usize,
+}
+
+impl Refused {
+    /// One that settling would drop again; what it hid may be the truth.
+    fn in_vain(&mut self, candidate: usize) {
+        self.candidates.push(candidate);
+        self.vain += 1;
+    }
+}
+
 /// What trials are judged by.
 pub(super) struct Trials<'a> {
     pub(super) candidates: &'a [Candidate],
@@ -41,7 +59,7 @@ impl Trials<'_> {
         cut: &mut Tracked,
         shortlist: &[Hit],
         switched: Option<Trial>,
-        refused: &mut Vec<usize>,
+        refused: &mut Refused,
         watch: &mut Watch<'_>,
     ) -> Result<Option<Accepted>, Error> {
         // a switch is judged by fits: columns say nothing of terms that are left out of the equations of motion
@@ -74,10 +92,13 @@ impl Trials<'_> {
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
             let held_out = self.held_out(&trial, candidate, linear && self.is_straight(candidate));
-            if held_out.1 < held_out.0 {
+            if held_out.1 >= held_out.0 {
+                refused.candidates.push(candidate);
+            } else if self.is_kept(cut, candidate, &trial) {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
+            } else {
+                refused.in_vain(candidate);
             }
-            refused.push(candidate);
         }
         Ok(None)
     }
@@ -87,7 +108,7 @@ impl Trials<'_> {
         &self,
         cut: &mut Tracked,
         shortlist: &[Hit],
-        refused: &mut Vec<usize>,
+        refused: &mut Refused,
         watch: &mut Watch<'_>,
     ) -> Option<Accepted> {
         let mut trials: Vec<Trial> = Vec::new();
@@ -105,7 +126,7 @@ impl Trials<'_> {
                 if held_out.1 < held_out.0 {
                     return Some(Accepted { candidate, trial: trials.swap_remove(place).2, held_out });
                 }
-                refused.push(candidate);
+                refused.candidates.push(candidate);
             }
         }
         None
@@ -116,6 +137,14 @@ impl Trials<'_> {
     fn is_straight(&self, candidate: usize) -> bool {
         let own = &self.candidates[candidate];
         !own.is_discrete() && !matches!(own.motion, Motion::Saturation { .. })
+    }
+
+    /// Whether settling keeps a candidate, where the way there is long: a plant's windows begin anew.
+    fn is_kept(&self, cut: &Tracked, candidate: usize, trial: &Evaluation) -> bool {
+        let (policy, active) = (cut.policy(), active_with(self.active, candidate));
+        policy.lattice
+            || policy.discrepancy_dominated
+            || is_kept(trial, self.candidates, &active, candidate, cut.signals())
     }
 
     /// The deviance that a fit to an image must come down to, if only the best counts: near that of the best so far. Faults of the log are
@@ -261,37 +290,6 @@ pub(super) fn stamped_late(candidate: &Candidate, x: f64, doubt: f64) -> bool {
     candidate.side == Side::Clock && doubt > 0.0 && doubt.is_finite() && x.abs() <= doubt
 }
 
-/// Candidates that are worth a fit. One statistic above the threshold says that something is there; what it is, the likelihood
-/// says: an effect that shows in a few blocks only (a delay, in transients) has a small statistic over blocks however
-/// large it is, so below the threshold it still competes by its gain.
-pub(super) fn shortlist(
-    found: &Screen,
-    candidates: &[Candidate],
-    refused: &[usize],
-    threshold: f64,
-    discrepancy_dominated: bool,
-) -> Vec<Hit> {
-    let mut hits: Vec<Hit> =
-        found.hits.iter().filter(|hit| !refused.contains(&hit.candidate)).cloned().collect();
-    if discrepancy_dominated || !hits.iter().any(|hit| hit.statistic > threshold) {
-        let seldom = |hit: &Hit| !discrepancy_dominated && hit.shows_seldom(candidates);
-        hits.retain(|hit| hit.statistic > threshold || seldom(hit));
-    }
-    let worth = |hit: &Hit| if discrepancy_dominated { hit.statistic * hit.statistic } else { hit.gain };
-    hits.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    let best = hits.first().map_or(0.0, worth);
-    let least = |hit: &Hit| {
-        if candidates[hit.candidate].nonlinear && !discrepancy_dominated {
-            SELECTION.bent_worth
-        } else {
-            SELECTION.worth
-        }
-    };
-    hits.retain(|hit| worth(hit) >= least(hit) * best);
-    hits.truncate(SELECTION.search_most);
-    hits
-}
-
 /// The active candidates and one more.
 pub(super) fn active_with(active: &[usize], candidate: usize) -> Vec<usize> {
     let mut all = active.to_vec();
@@ -328,7 +326,8 @@ fn starts(candidates: &[Candidate], last: &Evaluation, hit: &Hit) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigs::acrobot::selection::examples::{candidate, evaluation, found, hit};
+    use crate::rigs::acrobot::residual::Policy;
+    use crate::rigs::acrobot::selection::examples::{candidate, evaluation, found, hit, toy_like};
 
     #[test]
     fn a_clock_is_doubted_only_where_stamps_scatter() {
@@ -353,19 +352,20 @@ mod tests {
     }
 
     #[test]
-    fn value_who_foretells_half_of_the_best_is_worth_a_fit_and_a_tenth_where_columns_bend() {
-        let listed = |gains: &[f64], nonlinear: bool, dominated: bool| {
-            let candidates: Vec<Candidate> =
-                gains.iter().map(|_| candidate(Side::Plant, nonlinear)).collect();
-            let found = found(gains.iter().enumerate().map(|(at, gain)| hit(at, *gain)).collect());
-            shortlist(&found, &candidates, &[], 1.0, dominated).len()
+    fn law_a_plants_effect_that_settling_would_drop_is_refused_before() {
+        let kept = |deviations: f64, lattice: bool| {
+            let candidates = [candidate(Side::Plant, false)];
+            let policy = Policy { lattice, ..Policy::USUAL };
+            let mut cut = toy_like(policy, move |x| vec![deviations - 10.0 * x[0]]);
+            let last = evaluation(&[0.0], &[0.0], &[1.0]);
+            let fit = refit_closely(&mut cut, &candidates, &[0.0], &[0], f64::INFINITY).expect("runs");
+            let (folds, found) = (Folds { of: Vec::new(), count: 0, runs: Vec::new() }, found(Vec::new()));
+            Trials { candidates: &candidates, folds: &folds, last: &last, found: &found, active: &[] }
+                .is_kept(&cut, 0, &fit)
         };
-        assert_eq!([45.0, 55.0].map(|gain| listed(&[100.0, gain], false, false)), [1, 2]);
-        assert_eq!([9.0, 11.0].map(|gain| listed(&[100.0, gain], true, false)), [1, 2]);
-        // where the gain is no measure, neither is a bend
-        assert_eq!([45.0, 55.0].map(|gain| listed(&[100.0, gain], true, true)), [1, 2]);
-        // six at most
-        assert_eq!([5, 6, 7].map(|all| listed(&vec![100.0; all], false, false)), [5, 6, 6]);
+        assert_eq!([2.7, 3.3].map(|deviations| kept(deviations, false)), [false, true]);
+        // an image's search asks of effects together once one did not stay
+        assert!(kept(2.7, true));
     }
 
     #[test]

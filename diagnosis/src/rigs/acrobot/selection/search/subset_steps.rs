@@ -60,7 +60,7 @@ impl Search<'_> {
     /// compared.
     fn linear_subsets(&self) -> Option<Subsets<'_>> {
         let policy = self.cut.policy();
-        let several = self.active.len() > 1 || self.vain > 0;
+        let several = self.active.len() > 1 || self.refused.vain > 0;
         if !policy.lattice || policy.free_pose || !several {
             return None;
         }
@@ -136,7 +136,7 @@ mod tests {
         let found = |vain: usize| {
             let mut cut = toy_like(image, rows);
             let mut search = Search::begin(&mut cut, &candidates, &[0.0; 2], &[]).expect("runs");
-            search.vain = vain;
+            search.refused.vain = vain;
             let mut nobody = |_: &Doing<'_>| {};
             search.all_at_once(&mut Watch::new(&mut nobody, None));
             (search.active.clone(), search.last.point.clone())

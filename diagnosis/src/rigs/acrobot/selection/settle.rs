@@ -142,7 +142,7 @@ fn strength(candidate: &Candidate, x: f64, error: f64) -> f64 {
     size / if candidate.side == Side::Camera { POLICY.clear } else { SELECTION.keep }
 }
 
-/// Whether an effect that is fitted beside those that are on is none of those that are dropped.
+/// Whether an effect that is fitted beside those that are on is none of those that are dropped. A trial without columns says nothing of that.
 pub(super) fn is_kept(
     fit: &Evaluation,
     candidates: &[Candidate],
@@ -151,7 +151,8 @@ pub(super) fn is_kept(
     signals: &[Signal],
 ) -> bool {
     let free = continuous(candidates, active);
-    let own = free.iter().position(|index| *index == effect);
+    let shown = fit.places(&free).len() == free.len();
+    let own = free.iter().position(|index| *index == effect).filter(|_| shown);
     let told = own.and_then(|place| Some(errors(fit, &free, signals)?[place]));
     let dropped = |error: f64| strength(&candidates[effect], fit.point[effect], error) < 1.0;
     !told.is_some_and(dropped)
@@ -188,6 +189,10 @@ mod tests {
             is_kept(&fit, &candidates, &[0], 0, cut.signals())
         };
         assert_eq!([2.7, 3.3].map(kept), [false, true]);
+        // a saturation that a machine ran away from is tried at levels, without columns
+        let mut cut = toy(|x| vec![2.7 - 10.0 * x[0]]);
+        let bare = Evaluation::at(&mut cut, &[0.1], &[]).expect("runs");
+        assert!(is_kept(&bare, &[candidate(Side::Plant, false)], &[0], 0, cut.signals()));
     }
 
     #[test]

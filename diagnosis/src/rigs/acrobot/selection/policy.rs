@@ -75,7 +75,7 @@ pub struct Selection {
     pub switched_far: f64,
     /// More effects than this are not a diagnosis any more.
     pub search_most: usize,
-    /// Most effects that are accepted in vain, since they turn out superfluous at once, before a search ends.
+    /// Most effects that are accepted in vain, since they turn out superfluous at once or would, before a search ends.
     pub vain: usize,
     /// Decrease of the deviance that a Newton step of the active values predicts at most where they are settled: that of one standard
     /// error.

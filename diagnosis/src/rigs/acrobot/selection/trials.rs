@@ -36,10 +36,10 @@ pub(super) struct Refused {
 }
 
 impl Refused {
-    /// One that settling would drop again; what it hid may be the truth.
-    fn in_vain(&mut self, candidate: usize) {
+    /// One more; `in_vain` where settling would drop it again: what it hid may be the truth. Trials from several starts count once.
+    fn add(&mut self, candidate: usize, in_vain: bool) {
+        self.vain += usize::from(in_vain && !self.candidates.contains(&candidate));
         self.candidates.push(candidate);
-        self.vain += 1;
     }
 }
 
@@ -92,13 +92,11 @@ impl Trials<'_> {
         trials.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (candidate, _, trial) in trials {
             let held_out = self.held_out(&trial, candidate, linear && self.is_straight(candidate));
-            if held_out.1 >= held_out.0 {
-                refused.candidates.push(candidate);
-            } else if self.is_kept(cut, candidate, &trial) {
+            let holds = held_out.1 < held_out.0; // not for NaN
+            if holds && self.is_kept(cut, candidate, &trial) {
                 return Ok(Some(Accepted { candidate, trial, held_out }));
-            } else {
-                refused.in_vain(candidate);
             }
+            refused.add(candidate, holds);
         }
         Ok(None)
     }
@@ -126,7 +124,7 @@ impl Trials<'_> {
                 if held_out.1 < held_out.0 {
                     return Some(Accepted { candidate, trial: trials.swap_remove(place).2, held_out });
                 }
-                refused.candidates.push(candidate);
+                refused.add(candidate, false);
             }
         }
         None
@@ -366,6 +364,16 @@ mod tests {
         assert_eq!([2.7, 3.3].map(|deviations| kept(deviations, false)), [false, true]);
         // an image's search asks of effects together once one did not stay
         assert!(kept(2.7, true));
+    }
+
+    #[test]
+    fn value_a_candidate_that_was_tried_from_two_starts_is_refused_in_vain_once() {
+        let mut refused = Refused::default();
+        [(4, true), (4, true), (5, false), (6, true)].map(|(index, in_vain)| refused.add(index, in_vain));
+        assert_eq!(
+            (refused.vain, [4, 5, 6].map(|index| refused.candidates.contains(&index))),
+            (2, [true; 3])
+        );
     }
 
     #[test]

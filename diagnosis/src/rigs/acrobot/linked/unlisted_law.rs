@@ -74,8 +74,8 @@ pub fn left_of(
         }
     };
     let laws = Laws::of(linked, list, fit, readings)?;
-    let law = laws.and_then(|laws| laws.surest(fit, &linked.built.sizes));
-    let law = law.map(|law| UnlistedLaw { friction: linked.friction(&study.active, fit), ..law });
+    let friction = linked.friction(&study.active, fit);
+    let law = laws.and_then(|laws| laws.surest(fit, &linked.built.sizes, friction));
     let lone = if readings { lone_readings(&fit.runs, &fit.at.noise, linked.angles()) } else { None };
     Ok(Left { law, lone })
 }
@@ -124,7 +124,7 @@ impl Laws {
     }
 
     /// The law that is told most surely: of the few that are, the one beside which the least deviance is left.
-    fn surest(&self, fit: &Fit, sizes: &Sizes) -> Option<UnlistedLaw> {
+    fn surest(&self, fit: &Fit, sizes: &Sizes, friction: f64) -> Option<UnlistedLaw> {
         let columns: Vec<usize> = (0..self.listed + self.laws.len()).collect();
         let sum = reduced(&self.runs, &fit.at.noise, &columns);
         let told = Told::new(&sum, &self.active, self.listed);
@@ -141,7 +141,7 @@ impl Laws {
         let variance = |noise: &Noise| noise.process.iter().map(|size| size * size).sum::<f64>();
         let share = 1.0 - variance(&noise) / variance(&fit.at.noise);
         let (on, law) = self.laws[law].clone();
-        Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes), friction: 0.0 })
+        Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes), friction })
     }
 }
 

@@ -8,6 +8,7 @@ use super::refit::refit_closely;
 use super::screen::{Hit, Screen, screen};
 use super::search::SEARCH;
 use super::settle::is_kept;
+use super::shortlist::Refused;
 use crate::error::Error;
 use crate::rigs::acrobot::candidates::{Candidate, Motion, Side};
 use crate::rigs::acrobot::policy::POLICY;
@@ -24,23 +25,6 @@ pub(super) struct Accepted {
     pub(super) candidate: usize,
     pub(super) trial: Evaluation,
     pub(super) held_out: (f64, f64),
-}
-
-/// Who is out of the question from now on.
-#[derive(Default)]
-pub(super) struct Refused {
-    /// Candidates that turned out to be superfluous, or to explain no runs that were left out.
-    pub(super) candidates: Vec<usize>,
-    /// How many were accepted and dropped, or would have been, or were accepted again.
-    pub(super) vain: usize,
-}
-
-impl Refused {
-    /// One more; `in_vain` where settling would drop it again: what it hid may be the truth. Trials from several starts count once.
-    fn add(&mut self, candidate: usize, in_vain: bool) {
-        self.vain += usize::from(in_vain && !self.candidates.contains(&candidate));
-        self.candidates.push(candidate);
-    }
 }
 
 /// What trials are judged by.
@@ -364,16 +348,6 @@ mod tests {
         assert_eq!([2.7, 3.3].map(|deviations| kept(deviations, false)), [false, true]);
         // an image's search asks of effects together once one did not stay
         assert!(kept(2.7, true));
-    }
-
-    #[test]
-    fn value_a_candidate_that_was_tried_from_two_starts_is_refused_in_vain_once() {
-        let mut refused = Refused::default();
-        [(4, true), (4, true), (5, false), (6, true)].map(|(index, in_vain)| refused.add(index, in_vain));
-        assert_eq!(
-            (refused.vain, [4, 5, 6].map(|index| refused.candidates.contains(&index))),
-            (2, [true; 3])
-        );
     }
 
     #[test]

@@ -240,7 +240,9 @@ impl Judge<'_> {
                 continue;
             }
             let sums = if part.torque {
-                let (sums, followed) = self.plant(part)?;
+                let judged = |(place, part): (usize, &Part)| !part.torque && first.finds(place);
+                let moves = first.parts().iter().enumerate().any(judged);
+                let (sums, followed) = self.plant(part, moves)?;
                 motions = followed;
                 sums
             } else {
@@ -251,8 +253,8 @@ impl Judge<'_> {
         Ok(all)
     }
 
-    /// Torques that the plant lacks, and the motions for the images.
-    fn plant(&mut self, part: &Part) -> Result<(Sums, Option<Motions>), Error> {
+    /// Torques that the plant lacks, and the motions for the images, where any are judged.
+    fn plant(&mut self, part: &Part, images: bool) -> Result<(Sums, Option<Motions>), Error> {
         let Some(mut rows) = self.rig.plant_cut()? else {
             return Ok((Sums::default(), None));
         };
@@ -267,6 +269,9 @@ impl Judge<'_> {
         let (sums, channels) = self.torques(&mut rows, part)?;
         self.channels.extend(channels);
         let sums = self.at_the_log(sums)?;
+        if !images {
+            return Ok((sums, None));
+        }
         rows.begin(self.point)?;
         rows.linearise(self.point, &[])?;
         let sigma = part.study.noise[..2].iter().fold(0.0, |a: f64, b| a.max(*b));

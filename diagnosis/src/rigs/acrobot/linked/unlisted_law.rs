@@ -22,7 +22,7 @@ use crate::rigs::acrobot::model::Model;
 use crate::rigs::acrobot::residual::Signal;
 use crate::rigs::acrobot::selection::Study;
 use crate::rigs::acrobot::simple_laws::{Law, Moment, On, all_laws};
-use crate::statistics::levels::{FEW, FINE, HALF};
+use crate::statistics::levels::{DOUBTED, FEW, FINE, HALF};
 use crate::statistics::linear::Reduced;
 use std::sync::Arc;
 
@@ -91,21 +91,41 @@ struct Laws {
 }
 
 impl Laws {
+    /// All laws beside all that is listed; `None` where none explains anything beside the effects that are on, which takes far fewer
+    /// columns to see.
     fn of(linked: &Linked, list: &[Candidate], fit: &Fit, readings: bool) -> Result<Option<Self>, Error> {
-        let [joint, first] = TORQUES.map(|input| linked.bias_of(input));
-        let Some(pushes) = first.zip(joint).map(|(first, joint)| [first, joint]) else { return Ok(None) };
+        let angles = linked.angles();
+        let quanta = angles.map(|angle| angle.map_or(0.0, |channel| linked.quantum(channel)));
+        let all = |beside: &[Beside<'_>]| {
+            let waves = periodic_laws(beside, &fit.at.noise.process, readings.then_some(quanta));
+            all_laws(readings).into_iter().chain(waves).collect()
+        };
+        let Some(alone) = Self::beside(linked, fit, &fit.free, all)? else { return Ok(None) };
+        if !may_be_told(&alone.told(fit)) {
+            return Ok(None);
+        }
         let listed = |(index, candidate): (usize, &Candidate)| {
             let place = linked.places[index]?;
             // what cuts nothing shows nothing
             let cuts = matches!(candidate.motion, Motion::Saturation { .. });
             (!candidate.is_discrete() && !cuts || fit.free.contains(&place)).then_some(place)
         };
-        let mut columns: Vec<usize> = list.iter().enumerate().filter_map(listed).collect();
-        let listed = columns.len();
-        columns.extend(pushes);
-        let active = (0..listed).filter(|place| fit.free.contains(&columns[*place])).collect();
+        let listed: Vec<usize> = list.iter().enumerate().filter_map(listed).collect();
+        Self::beside(linked, fit, &listed, |_| alone.laws.clone())
+    }
+
+    /// Laws beside these parameters; `None` where there is no torque that they could be of.
+    fn beside(
+        linked: &Linked,
+        fit: &Fit,
+        parameters: &[usize],
+        laws: impl Fn(&[Beside<'_>]) -> Vec<(On, Law)>,
+    ) -> Result<Option<Self>, Error> {
+        let [joint, first] = TORQUES.map(|input| linked.bias_of(input));
+        let Some(pushes) = first.zip(joint).map(|(first, joint)| [first, joint]) else { return Ok(None) };
+        let (commands, angles, listed) = (linked.commands(), linked.angles(), parameters.len());
+        let columns = [parameters, &pushes].concat();
         let runs = linked.built.engine.linearise(&fit.at.theta, &fit.at.paths, &columns)?;
-        let (commands, angles) = (linked.commands(), linked.angles());
         let each = runs.iter().zip(&fit.at.paths).zip(&commands).enumerate();
         let beside = each.map(|(place, ((run, path), commands))| Beside {
             run,
@@ -116,20 +136,24 @@ impl Laws {
             listed,
         });
         let beside: Vec<Beside<'_>> = beside.collect();
-        let mut laws = all_laws(readings);
-        let quanta = angles.map(|angle| angle.map_or(0.0, |channel| linked.quantum(channel)));
-        laws.extend(periodic_laws(&beside, &fit.at.noise.process, readings.then_some(quanta)));
+        let laws = laws(&beside);
         let runs = beside.iter().map(|beside| beside.with_laws(&laws)).collect();
+        let active = (0..listed).filter(|place| fit.free.contains(&parameters[*place])).collect();
         Ok(Some(Self { laws, runs, active, listed }))
     }
 
-    /// The law that is told most surely: of the few that are, the one beside which the least deviance is left.
-    fn surest(&self, fit: &Fit, sizes: &Sizes, friction: f64) -> Option<UnlistedLaw> {
+    /// How surely each law is told.
+    fn told(&self, fit: &Fit) -> Vec<(usize, f64)> {
         let columns: Vec<usize> = (0..self.listed + self.laws.len()).collect();
         let sum = reduced(&self.runs, &fit.at.noise, &columns);
         let told = Told::new(&sum, &self.active, self.listed);
         let of = |law: usize| (law, told.deviations(self.listed + law, self.laws[law].1.by_choice()));
-        let mut told: Vec<(usize, f64)> = (0..self.laws.len()).map(of).collect();
+        (0..self.laws.len()).map(of).collect()
+    }
+
+    /// The law that is told most surely: of the few that are, the one beside which the least deviance is left.
+    fn surest(&self, fit: &Fit, sizes: &Sizes, friction: f64) -> Option<UnlistedLaw> {
+        let mut told = self.told(fit);
         told.sort_by(|a, b| b.1.total_cmp(&a.1));
         let with = |(law, deviations): &(usize, f64)| {
             let columns: Vec<usize> = self.active.iter().copied().chain([self.listed + law]).collect();
@@ -143,6 +167,12 @@ impl Laws {
         let (on, law) = self.laws[law].clone();
         Some(UnlistedLaw { on, law, deviations, share, quiet: is_quiet(fit, sizes), friction })
     }
+}
+
+/// Whether any law may be told beside all that is listed: beside the effects that are on alone, one is beyond chance. What was told elsewhere had
+/// 3.5 at least there.
+fn may_be_told(told: &[(usize, f64)]) -> bool {
+    told.iter().any(|(_, deviations)| *deviations > DOUBTED)
 }
 
 /// How surely a law is told.
@@ -335,6 +365,11 @@ mod tests {
         assert!((told(2) - 6.0).abs() < 1e-9);
         // and one that is listed itself for nothing
         assert_eq!(told(3), 0.0);
+    }
+
+    #[test]
+    fn value_more_columns_are_taken_from_three_deviations_on() {
+        assert_eq!([2.9, 3.1].map(|most| may_be_told(&[(0, 1.0), (1, most)])), [false, true]);
     }
 
     #[test]

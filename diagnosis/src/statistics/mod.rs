@@ -9,3 +9,4 @@ pub mod normal;
 pub mod products;
 pub mod random;
 pub mod squares;
+pub mod waves;

@@ -9,7 +9,7 @@ use super::parameter_steps::first_step;
 use super::policy::DYNAMICS;
 use crate::error::{Error, Notice};
 use crate::infer::fit::{At, Linearise};
-use crate::infer::likelihood::{maximise, profile, reduced};
+use crate::infer::likelihood::maximise;
 use crate::infer::sweep::MOST_STATES;
 use crate::infer::{Linearised, Noise, Sizes, first_process_noise};
 use crate::nuisance::{Scatter, scatter};
@@ -49,14 +49,11 @@ impl Built {
         let paths = self.engine.paths(theta, &self.noise, known)?;
         self.engine.calibrate(theta, &paths, &self.noise)?;
         let runs = self.engine.linearise(theta, &paths, free)?;
-        let begun = |share: &f64| {
+        let from = |share: &f64| {
             let process = self.noise.process.iter().map(|size| share * size).collect();
-            let noise = Noise { process, ..self.noise.clone() };
-            (profile(&reduced(&runs, &noise, &[])), noise)
+            maximise(&runs, &[], &Noise { process, ..self.noise.clone() }, &self.sizes)
         };
-        let begun = DYNAMICS.first_process.iter().map(begun);
-        let best = begun.min_by(|a, b| a.0.total_cmp(&b.0));
-        let best = best.map(|(_, noise)| maximise(&runs, &[], &noise, &self.sizes));
+        let best = DYNAMICS.first_process.iter().map(from).min_by(|a, b| a.1.total_cmp(&b.1));
         let noise = best.map_or(self.noise.clone(), |(noise, _)| noise);
         Ok((At { theta: theta.to_vec(), paths, noise }, runs))
     }

@@ -9,4 +9,3 @@ pub mod normal;
 pub mod products;
 pub mod random;
 pub mod squares;
-pub mod waves;

@@ -7,7 +7,6 @@ use super::unlisted_law::Beside;
 use crate::rigs::acrobot::simple_laws::{Law, On, PERIODIC, Periodic};
 use crate::statistics::levels::HALF;
 use crate::statistics::median::median;
-use crate::statistics::waves::Waves;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -104,16 +103,27 @@ fn left_of_readings(run: &Beside<'_>, kind: &Periodic, angle: usize) -> Vec<Samp
 /// How often waves go to and fro that explain most of these values, each group by itself, and the heights of their cosine and sine there.
 fn strongest(groups: &[&[Sample]], tried: &Tried) -> Option<(f64, Vec<[f64; 2]>)> {
     let scale = if groups.len() > 1 { TAU } else { 1.0 };
-    let waves = |group: &&[Sample]| Waves::new(group, scale * tried.first, scale * tried.step);
-    let mut waves: Vec<Waves> = groups.iter().map(waves).collect();
+    let turned = |by: f64| move |(at, _): &Sample| [libm::cos(by * at), libm::sin(by * at)];
+    let by = |times: f64| groups.iter().map(|group| group.iter().map(turned(times)).collect()).collect();
+    let mut waves: Vec<Vec<[f64; 2]>> = by(scale * tried.first);
+    let steps: Vec<Vec<[f64; 2]>> = by(scale * tried.step);
     let mut best: Option<(f64, usize, Vec<[f64; 2]>)> = None;
     for count in 0..tried.count {
-        let height: Vec<[f64; 2]> = waves.iter_mut().map(Waves::height).collect();
+        let sums = groups.iter().zip(&waves).map(|(group, waves)| {
+            let sum = group.iter().zip(waves).fold([0.0; 2], |[cos, sin], ((_, value), wave)| {
+                [cos + value * wave[0], sin + value * wave[1]]
+            });
+            sum.map(|sum| 2.0 * sum / group.len().max(1) as f64)
+        });
+        let height: Vec<[f64; 2]> = sums.collect();
         let power =
             |(group, [cos, sin]): (&&[Sample], &[f64; 2])| group.len() as f64 * (cos * cos + sin * sin);
         let power = groups.iter().zip(&height).map(power).sum::<f64>();
         if best.as_ref().is_none_or(|(known, ..)| power > *known) {
             best = Some((power, count, height));
+        }
+        for (wave, step) in waves.iter_mut().flatten().zip(steps.iter().flatten()) {
+            *wave = [wave[0] * step[0] - wave[1] * step[1], wave[0] * step[1] + wave[1] * step[0]];
         }
     }
     best.map(|(_, count, height)| (tried.first + count as f64 * tried.step, height))

@@ -80,13 +80,13 @@ pub fn left_of(
     Ok(Left { law, lone })
 }
 
-/// Runs about where a fit ended, with columns for all that is listed and for each law.
+/// Runs about where a fit ended, with columns for what laws are held against, the effects that are on or all that is listed, and for each law.
 struct Laws {
     laws: Vec<(On, Law)>,
     runs: Vec<Linearised>,
-    /// The columns that are listed come first; these are free parameters of the fit.
+    /// Those of the first columns that are free parameters of the fit.
     active: Vec<usize>,
-    /// How many are listed.
+    /// How many columns come before those of laws.
     listed: usize,
 }
 

@@ -241,8 +241,8 @@ impl Judge<'_> {
             }
             let sums = if part.torque {
                 let judged = |(place, part): (usize, &Part)| !part.torque && first.finds(place);
-                let moves = first.parts().iter().enumerate().any(judged);
-                let (sums, followed) = self.plant(part, moves)?;
+                let images = first.parts().iter().enumerate().any(judged);
+                let (sums, followed) = self.plant(part, images)?;
                 motions = followed;
                 sums
             } else {

@@ -169,8 +169,8 @@ impl Laws {
     }
 }
 
-/// Whether any law may be told beside all that is listed: beside the effects that are on alone, one is beyond chance. What was told elsewhere had
-/// 3.5 at least there.
+/// Whether any law may be told beside all that is listed: beside the effects that are on alone, one is beyond chance. What had less there had
+/// 3.9 at most beside all, on 107 sets; what had enough beside all had 3.5 at least there.
 fn may_be_told(told: &[(usize, f64)]) -> bool {
     told.iter().any(|(_, deviations)| *deviations > DOUBTED)
 }
